@@ -1,0 +1,260 @@
+"""The coupled cable and rivulet: eqs. (1) to (5) of Peil & Nahrath (2003) as a dynamical system."""
+
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass, field
+from math import isfinite
+from typing import Any, Literal, NamedTuple
+
+from rainwind.elementary import atan2, cos, sin, sqrt
+from rainwind.errors import InputError
+from rainwind.parameters import parameter_values, replace_parameters, unknown_name
+from rainwind.physics.checks import one_of
+from rainwind.physics.coefficient_files import load_coefficients
+from rainwind.physics.coefficients import OUTSIDE, CoefficientSet, Outside, check_usable
+from rainwind.physics.rivulet import Rivulet
+from rainwind.physics.section import CableSection, damping, stiffness
+from rainwind.physics.static_balance import Equilibria, find_all_equilibria
+from rainwind.physics.wind import Wind
+
+GRAVITY = 9.81
+"""g in m/s², as in Peil & Nahrath (2003)."""
+
+
+class Letters(NamedTuple):
+    """The letters of eqs. (1) to (4) at given parameters: numbers or tape symbols."""
+
+    rho: Any
+    u_n: Any
+    beta: Any
+    d: Any
+    r: Any
+    m_s: Any
+    m_r: Any
+    g_cos_delta: Any
+    d_y: Any
+    d_z: Any
+    d_phi: Any
+    k_y: Any
+    k_y2: Any
+    k_y3: Any
+    k_z: Any
+    k_z2: Any
+    k_z3: Any
+
+
+@dataclass(frozen=True)
+class RivuletModel:
+    """A wetted cable section in wind; by shape a system x' = f(x, p) with states, parameters and rhs.
+
+    outside: what the coefficients do beyond their valid range ("blend", "extend", "refuse").
+    degrees_of_freedom: 3 (y, phi, z) or 2 (y, phi). angle: "arctan", the exact alpha_v of eq. (3), or "linear",
+    its right-hand form. relative_speed: "wind", U_rel = U_n as in the paper, or "full", with the velocities of
+    cable and rivulet. All numbers in SI and rad. Raises InputError.
+    Source: Peil & Nahrath (2003), section 2.
+    """
+
+    wind: Wind
+    section: CableSection
+    rivulet: Rivulet
+    coefficients: CoefficientSet = field(metadata={"parameters": False})
+    outside: Outside = "blend"
+    degrees_of_freedom: int = field(default=3, metadata={"parameters": False})
+    angle: Literal["arctan", "linear"] = "arctan"
+    relative_speed: Literal["wind", "full"] = "wind"
+
+    def __post_init__(self) -> None:
+        for name, kind in (
+            ("wind", Wind),
+            ("section", CableSection),
+            ("rivulet", Rivulet),
+            ("coefficients", CoefficientSet),
+        ):
+            if not isinstance(getattr(self, name), kind):
+                raise InputError(f"{name} = {getattr(self, name)!r} must be a {kind.__name__}")
+        one_of("outside", self.outside, OUTSIDE)
+        one_of("degrees_of_freedom", self.degrees_of_freedom, (3, 2))
+        one_of("angle", self.angle, ("arctan", "linear"))
+        one_of("relative_speed", self.relative_speed, ("wind", "full"))
+        check_usable(self.coefficients, self.outside)
+        if self.normal_speed < 1e-9 * self.wind.speed:
+            raise InputError(
+                "the wind blows along the cable, so that no wind meets the section (wind.yaw 90 degrees and "
+                "section.inclination 0); change either angle, or set wind.density = 0 for still air"
+            )
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states, in the order of eq. (5): y, z in m, phi in rad, their rates per second."""
+        if self.degrees_of_freedom == 2:
+            return ("y", "phi", "y_dot", "phi_dot")
+        return ("y", "phi", "z", "y_dot", "phi_dot", "z_dot")
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Dotted name -> value, SI and rad, e.g. "wind.speed"."""
+        return parameter_values(self)
+
+    @property
+    def structure(self) -> Hashable:
+        """Everything that `rhs` depends on besides x and p; equal keys mean equal right-hand sides."""
+        own_ratios = (self.section.damping_ratio_y is not None, self.section.damping_ratio_z is not None)
+        return (
+            "RivuletModel", self.coefficients, self.outside, self.degrees_of_freedom, self.angle,
+            self.relative_speed, own_ratios,
+        )  # fmt: skip
+
+    @property
+    def beta(self) -> float:
+        """beta in rad, eq. (1)."""
+        return float(self.letters(self.parameters).beta)
+
+    @property
+    def normal_speed(self) -> float:
+        """U_n in m/s, the wind's component normal to the cable."""
+        return float(self.letters(self.parameters).u_n)
+
+    def with_parameters(self, changes: Mapping[str, float]) -> "RivuletModel":
+        """A copy with the parameters of these dotted names replaced. Raises InputError."""
+        return replace_parameters(self, changes)
+
+    def letters(self, p: Mapping[str, Any]) -> Letters:
+        """The letters of eqs. (1) to (4) from the parameters p, indexable by dotted name."""
+        gamma, delta = p["wind.yaw"], p["section.inclination"]
+        normal = sqrt(cos(gamma) * cos(gamma) + sin(gamma) * sin(gamma) * (sin(delta) * sin(delta)))
+        m_s, f_y, f_z = p["section.mass"], p["section.frequency_y"], p["section.frequency_z"]
+        follows = "section.damping_ratio"
+        xi_y = p[follows if self.section.damping_ratio_y is None else "section.damping_ratio_y"]
+        xi_z = p[follows if self.section.damping_ratio_z is None else "section.damping_ratio_z"]
+        return Letters(
+            rho=p["wind.density"],
+            u_n=p["wind.speed"] * normal,
+            # eq. (1), with atan2 so that it also holds beyond 90 degrees
+            beta=atan2(sin(gamma) * sin(delta), cos(gamma)),
+            d=p["section.diameter"],
+            r=(p["section.diameter"] + p["rivulet.height"]) / 2,
+            m_s=m_s,
+            m_r=p["rivulet.mass"],
+            g_cos_delta=GRAVITY * cos(delta),
+            d_y=damping(m_s, f_y, xi_y),
+            d_z=damping(m_s, f_z, xi_z),
+            d_phi=p["rivulet.friction"],
+            k_y=stiffness(m_s, f_y),
+            k_y2=p["section.k2_y"],
+            k_y3=p["section.k3_y"],
+            k_z=stiffness(m_s, f_z),
+            k_z2=p["section.k2_z"],
+            k_z3=p["section.k3_z"],
+        )
+
+    def angle_of_attack(self, x: Sequence[Any], p: Mapping[str, Any]) -> Any:
+        """alpha in rad, not wrapped, at the states x (in order) and parameters p, eq. (3)."""
+        _, phi, _, y_dot, phi_dot, z_dot = self._all_six(x)
+        return -phi + self._inflow(self.letters(p), phi, y_dot, phi_dot, z_dot)[0]
+
+    def wind_forces(self, x: Sequence[Any], p: Mapping[str, Any]) -> tuple[Any, Any, Any]:
+        """F_y, F_z in N and M_phi in Nm, each per metre of cable, eq. (2), at states x and parameters p."""
+        _, phi, _, y_dot, phi_dot, z_dot = self._all_six(x)
+        return self._wind_forces(self.letters(p), phi, y_dot, phi_dot, z_dot)
+
+    def rhs(self, x: Sequence[Any], p: Mapping[str, Any]) -> tuple[Any, ...]:
+        """x' of eq. (5): x in the order of `states`, p indexable by dotted name; of numbers or tape symbols.
+
+        Eq. (4) solved for the accelerations; the mass matrix is inverted by hand, its determinant never vanishes.
+        """
+        y, phi, z, y_dot, phi_dot, z_dot = self._all_six(x)
+        at = self.letters(p)
+        f_y, f_z, m_phi = self._wind_forces(at, phi, y_dot, phi_dot, z_dot)
+        s, c = sin(phi), cos(phi)
+        m, m_r, r = at.m_s + at.m_r, at.m_r, at.r
+        centrifugal = m_r * r * phi_dot * phi_dot
+        # the rows of eq. (4) without their second derivatives
+        p_y = f_y - at.d_y * y_dot - y * (at.k_y + y * (at.k_y2 + y * at.k_y3)) - c * centrifugal
+        p_phi = m_phi - at.d_phi * phi_dot + m_r * r * at.g_cos_delta * sin(phi + at.beta)
+        if self.degrees_of_freedom == 2:
+            phi_ddot = (p_phi / (m_r * r) - s * p_y / m) / (r * (at.m_s + m_r * c * c) / m)
+            return (y_dot, phi_dot, (p_y - m_r * r * s * phi_ddot) / m, phi_ddot)
+        p_z = f_z - at.d_z * z_dot - z * (at.k_z + z * (at.k_z2 + z * at.k_z3)) - s * centrifugal
+        phi_ddot = (p_phi / (m_r * r) - (s * p_y - c * p_z) / m) / (r * at.m_s / m)
+        y_ddot = (p_y - m_r * r * s * phi_ddot) / m
+        z_ddot = (p_z + m_r * r * c * phi_ddot) / m
+        return (y_dot, phi_dot, z_dot, y_ddot, phi_ddot, z_ddot)
+
+    def all_states(self, parameters: Mapping[str, float] | None = None) -> Equilibria:
+        """All equilibria, on the whole circle, sorted by phi; `parameters` overrides some of the model's own.
+
+        The result reads like an array of shape (k, n), and says whether it is certified to be complete.
+        With outside="extend", phi is searched in (-pi, pi]; with "refuse", those outside the valid range are
+        left out. Raises InputError for unknown names. Source: Peil & Nahrath (2003), section 4.1, eq. (6).
+        """
+        at = self.letters(self._merged(parameters))
+        return find_all_equilibria(at, self.coefficients, self.outside, self.degrees_of_freedom)
+
+    def refusal(self, x: Sequence[Any], p: Mapping[str, Any]) -> str | None:
+        """Why the coefficients cannot be used at the states x and parameters p, or None if they can."""
+        if self.outside != "refuse":
+            return None
+        alpha = float(self.angle_of_attack(x, p))
+        if isfinite(alpha) and self.coefficients.covers(alpha):
+            return None
+        low, high = self.coefficients.valid
+        return (
+            f"angle of attack {alpha:.4g} rad is outside [{low:.4g}, {high:.4g}] rad where "
+            f"'{self.coefficients.name}' is valid ({self.coefficients.source}); choose another coefficient set, or "
+            "outside='blend' or 'extend'"
+        )
+
+    def _merged(self, parameters: Mapping[str, float] | None) -> dict[str, float]:
+        merged = self.parameters
+        for name, value in (parameters or {}).items():
+            if name not in merged:
+                raise unknown_name(name, merged, "parameter")
+            merged[name] = float(value)
+        return merged
+
+    def _all_six(self, x: Sequence[Any]) -> tuple[Any, ...]:
+        if self.degrees_of_freedom == 2:
+            y, phi, y_dot, phi_dot = x
+            return y, phi, 0.0, y_dot, phi_dot, 0.0
+        y, phi, z, y_dot, phi_dot, z_dot = x
+        return y, phi, z, y_dot, phi_dot, z_dot
+
+    def _inflow(self, at: Letters, phi: Any, y_dot: Any, phi_dot: Any, z_dot: Any) -> tuple[Any, Any]:
+        """alpha_v and U_rel² of eq. (3): the wind relative to the moving rivulet."""
+        upward = y_dot + at.r * phi_dot * sin(phi)
+        if self.angle == "linear" and self.relative_speed == "wind":
+            return upward / at.u_n, at.u_n * at.u_n
+        onward = at.u_n - z_dot + at.r * phi_dot * cos(phi)
+        alpha_v = upward / at.u_n if self.angle == "linear" else atan2(upward, onward)
+        # U_rel = U_n in the paper: velocities of the cable stay far below it
+        u_rel_squared = (
+            at.u_n * at.u_n if self.relative_speed == "wind" else upward * upward + onward * onward
+        )
+        return alpha_v, u_rel_squared
+
+    def _wind_forces(
+        self, at: Letters, phi: Any, y_dot: Any, phi_dot: Any, z_dot: Any
+    ) -> tuple[Any, Any, Any]:
+        a_v, u_rel_squared = self._inflow(at, phi, y_dot, phi_dot, z_dot)
+        c_l, c_d, c_m = self.coefficients.at(-phi + a_v, self.outside)
+        q_d = 0.5 * at.rho * at.d * u_rel_squared
+        f_y = -q_d * (c_l * cos(a_v) + c_d * sin(a_v))
+        f_z = q_d * (-c_l * sin(a_v) + c_d * cos(a_v))
+        return f_y, f_z, q_d * at.d * c_m
+
+
+def paper_model(
+    coefficients: str | CoefficientSet = "reconstructed",
+    outside: Outside = "blend",
+    *,
+    degrees_of_freedom: int = 3,
+) -> RivuletModel:
+    """The sample case of Peil & Nahrath (2003), section 3, at a wind speed of 9 m/s.
+
+    coefficients: a shipped set's name, a file's path, or a set. The damping ratio is 0.2 % (printed 2 %, a
+    misprint by section 5) and rho = 1.225 kg/m³ (not printed). The paper's own coefficients are lost: the
+    default set is a reconstruction. Raises InputError, CaseError.
+    """
+    chosen = coefficients if isinstance(coefficients, CoefficientSet) else load_coefficients(coefficients)
+    return RivuletModel(
+        Wind(9.0), CableSection(), Rivulet(), chosen, outside=outside, degrees_of_freedom=degrees_of_freedom
+    )
