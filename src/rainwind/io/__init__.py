@@ -1,0 +1,1 @@
+"""Cases, tables and results in and out; the only room that knows case files and netCDF."""

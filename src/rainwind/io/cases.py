@@ -1,0 +1,253 @@
+"""Case files in: a TOML text becomes a RivuletModel, or one error that lists every fault."""
+
+import tomllib
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from rainwind.errors import CaseError, InputError
+from rainwind.io.faults import Faults
+from rainwind.io.lines import key_lines
+from rainwind.io.schema import NUMBERS, OPTIONS, SCHEMA, TABLES, Number
+from rainwind.io.units import from_text, number, to_si
+from rainwind.physics.coefficients import CoefficientSet, load_coefficients
+from rainwind.physics.model import RivuletModel
+from rainwind.physics.rivulet import Rivulet
+from rainwind.physics.section import CableSection
+from rainwind.physics.wind import Wind
+
+__all__ = ["model_from_text", "read_case"]
+
+_DEFAULT_SET = "reconstructed"
+_RECORDS = {"wind": Wind, "section": CableSection, "rivulet": Rivulet}
+
+
+def read_case(path: Path | str) -> RivuletModel:
+    """The model that the case file at `path` describes, in SI and radians.
+
+    Raises CaseError with every fault of the file and its line: unreadable or no TOML, unknown or missing
+    keys, wrong units, values that the physics refuses.
+    """
+    path = Path(path)
+    return model_from_text(_text_of(path), name=str(path), folder=path.parent)
+
+
+def model_from_text(text: str, name: str = "case", folder: Path | None = None) -> RivuletModel:
+    """The model that a case file's text describes; coefficient files are looked for in `folder`.
+
+    Raises CaseError as `read_case` does.
+    """
+    try:
+        content = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise CaseError(f"{name}: not a TOML file: {error}; correct it there") from error
+    faults = Faults(name, key_lines(text))
+    _check_top(content, faults)
+    values = {table: _read_table(table, content.get(table, {}), faults) for table in TABLES}
+    records = {table: _record(table, values[table], faults) for table in _RECORDS}
+    coefficients = _coefficients(values["coefficients"], folder or Path(), faults)
+    choices = _choices(values, faults)
+    faults.raise_any()
+    try:
+        return RivuletModel(**records, coefficients=coefficients, **choices)
+    except InputError as error:  # values that are each allowed and do not fit each other
+        faults.add(str(error))
+        faults.raise_any()
+        raise
+
+
+def _text_of(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError as error:
+        raise CaseError(f"{path}: no such file; 'rainwind new {path}' writes an example") from error
+    except IsADirectoryError as error:
+        raise CaseError(f"{path}: a folder, not a case file; name the file in it") from error
+    except UnicodeDecodeError as error:
+        raise CaseError(f"{path}: not a text file in UTF-8; save it as UTF-8") from error
+    except (OSError, ValueError) as error:
+        if path.is_dir():  # what Windows calls "permission denied"
+            raise CaseError(f"{path}: a folder, not a case file; name the file in it") from error
+        reason = getattr(error, "strerror", None) or error
+        raise CaseError(f"{path}: cannot be read ({reason}); check its name and permissions") from error
+
+
+def _check_top(content: dict[str, Any], faults: Faults) -> None:
+    given = content.get("schema")
+    if given is None:
+        faults.add(f"no 'schema'; write schema = {SCHEMA} above the first table")
+    elif given != SCHEMA or isinstance(given, bool | float):
+        faults.add(f"schema = {given!r} is not known; this version reads schema = {SCHEMA}", "schema")
+    for key, value in content.items():
+        if key == "schema":
+            continue
+        if key not in TABLES:
+            faults.add(f"unknown {_what(value)} '{key}'; {_nearest(key, TABLES, 'tables')}", key)
+        elif not isinstance(value, dict):
+            faults.add(f"'{key}' is no table; write [{key}] and its keys on the lines below", key)
+
+
+def _what(value: Any) -> str:
+    return "table" if isinstance(value, dict) else "key"
+
+
+def _nearest(given: str, allowed: Any, kind: str) -> str:
+    near = get_close_matches(given, list(allowed), n=1, cutoff=0.5)
+    return f"did you mean '{near[0]}'?" if near else f"{kind} allowed: {', '.join(allowed)}"
+
+
+@dataclass(frozen=True)
+class _Given:
+    """A value of the file: the key that gave it, as written there, and in SI."""
+
+    key: str
+    raw: Any
+    value: Any
+
+
+def _read_table(table: str, content: Any, faults: Faults) -> dict[str, _Given]:
+    """Name without unit -> what was given, of one table; faulty values are left out."""
+    numbers = {item.name: item for item in NUMBERS if item.table == table}
+    options = {item.name for item in OPTIONS if item.table == table}
+    values: dict[str, _Given] = {}
+    keys: dict[str, str] = {}  # name -> the key that gave it; a key with a faulty value counts
+    for key, value in content.items() if isinstance(content, dict) else ():
+        if key in options:
+            values[key] = _Given(key, value, value)
+            continue
+        name = max((n for n in numbers if key == n or key.startswith(f"{n}_")), key=len, default=None)
+        if name is None:
+            faults.add(f"unknown key '{key}' in [{table}]; {_advice(table, key)}", table, key)
+        elif name in keys:
+            faults.add(f"{key} and {keys[name]} both give the {name}; keep one of them", table, key)
+        else:
+            keys[name] = key
+            try:
+                values[name] = _Given(key, value, _number(numbers[name], key, value))
+            except InputError as error:
+                faults.add(str(error), table, key)
+    for name, item in numbers.items():
+        if item.required and name not in keys and not (item.parts and set(item.parts) <= set(keys)):
+            faults.add(f"[{table}] has no {name}; add for example {_example(item)}", table)
+    return values
+
+
+def _number(item: Number, key: str, value: Any) -> float:
+    suffix = key[len(item.name) + 1 :]
+    allowed = " or ".join(item.kind.keys(item.name))
+    try:
+        if suffix and suffix not in item.kind.suffixes:
+            raise InputError(f"has the unit '{suffix}', which is no unit of {item.kind}; write {allowed}")
+        if not suffix and isinstance(value, str):
+            return from_text(value, item.kind)
+        result = number(value)
+        if not suffix:
+            raise InputError(f'has no unit; write {allowed}, or {key} = "{item.kind.example}"')
+        return to_si(result, item.kind, suffix)
+    except InputError as error:
+        raise InputError(f"{key} = {value!r} {error}") from error
+
+
+def _example(item: Number) -> str:
+    return f'{item.name} = "{item.kind.example}" or {item.kind.keys(item.name)[0]} = ...'
+
+
+def _advice(table: str, key: str) -> str:
+    for item in NUMBERS:
+        if item.table != table and key in (item.name, *item.kind.keys(item.name)):
+            return f"it belongs in [{item.table}]"
+    keys = [item.kind.keys(item.name)[0] for item in NUMBERS if item.table == table]
+    keys += [item.name for item in OPTIONS if item.table == table]
+    return _nearest(key, keys, "keys")
+
+
+def _record(table: str, values: dict[str, _Given], faults: Faults) -> Any:
+    """The table's dataclass; each value is tried alone first, so that its fault is found at its line."""
+    numbers = {item.name: item for item in NUMBERS if item.table == table}
+    sample = {item.field: item.sample for item in numbers.values() if item.required}
+    refused = False
+    for name, given in values.items():
+        item = numbers[name]
+        try:
+            _RECORDS[table](**_fields(table, sample | {item.field: given.value}))
+        except InputError as error:
+            refused = True
+            faults.add(_refusal(item, given, error), table, given.key)
+    complete = all(
+        name in values or (item.parts and set(item.parts) <= set(values))
+        for name, item in numbers.items()
+        if item.required
+    )
+    if refused or not complete:
+        return None
+    fields = {item.field: 0.0 for item in numbers.values() if item.zero_if_left_out}
+    fields |= {numbers[name].field: given.value for name, given in values.items()}
+    try:
+        return _RECORDS[table](**_fields(table, fields))
+    except InputError as error:
+        faults.add(str(error), table)
+        return None
+
+
+def _refusal(item: Number, given: _Given, error: InputError) -> str:
+    if item.allowed:
+        return (
+            f"{given.key} = {given.raw!r} is {given.value:g} rad; allowed is {item.allowed}; "
+            "correct the number or its unit"
+        )
+    return f"{given.key} = {given.raw!r}: {error}"
+
+
+def _fields(table: str, values: dict[str, Any]) -> dict[str, Any]:
+    """What the dataclass takes: one frequency stands for two, two damping ratios need a common one."""
+    fields = dict(values)
+    if table == "section":
+        if "frequency" in fields:
+            both = fields.pop("frequency")
+            fields = {"frequency_y": both, "frequency_z": both} | fields
+        if "damping_ratio_y" in fields:
+            fields.setdefault("damping_ratio", fields["damping_ratio_y"])
+    return fields
+
+
+def _coefficients(values: dict[str, _Given], folder: Path, faults: Faults) -> CoefficientSet | None:
+    """The coefficient set, with another set's moment where the case says so; None after a fault."""
+    chosen = _load("set", values["set"].value if "set" in values else _DEFAULT_SET, folder, faults)
+    if "moment_of" not in values:
+        return chosen
+    other = _load("moment_of", values["moment_of"].value, folder, faults)
+    if chosen is None or other is None:
+        return None
+    try:
+        return chosen.with_moment_of(other)
+    except InputError as error:
+        faults.add(str(error), "coefficients", "moment_of")
+        return None
+
+
+def _load(key: str, given: Any, folder: Path, faults: Faults) -> CoefficientSet | None:
+    if not isinstance(given, str):
+        faults.add(f"{key} = {given!r} is no text; write a set's name or its file", "coefficients", key)
+        return None
+    is_file = given.endswith(".toml") or "/" in given or "\\" in given
+    try:
+        return load_coefficients(folder / given if is_file else given)
+    except (InputError, OSError) as error:
+        faults.add(f"{key} = {given!r}: {error}", "coefficients", key)
+        return None
+
+
+def _choices(values: dict[str, dict[str, _Given]], faults: Faults) -> dict[str, Any]:
+    """The model's options; each is tried alone, so that its fault is found at its line."""
+    choices = {name: given.value for name, given in values["model"].items()}
+    if "outside" in values["coefficients"]:
+        choices["outside"] = values["coefficients"]["outside"].value
+    wind, section, rivulet = Wind(speed=9.0), CableSection(), Rivulet()
+    coefficients = load_coefficients(_DEFAULT_SET)
+    for key, value in choices.items():
+        try:
+            RivuletModel(wind, section, rivulet, coefficients, **{key: value})
+        except InputError as error:
+            faults.add(str(error), "coefficients" if key == "outside" else "model", key)
+    return choices

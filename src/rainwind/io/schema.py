@@ -1,0 +1,168 @@
+"""The keys of a case file: what each means, its symbol, its kind of quantity and the paper's value."""
+
+from dataclasses import dataclass
+from math import pi
+
+from rainwind.io.units import KINDS, Kind
+
+__all__ = ["NUMBERS", "OPTIONS", "SCHEMA", "TABLES", "Number", "Option"]
+
+SCHEMA = 1
+TABLES = ("wind", "section", "rivulet", "coefficients", "model")
+
+
+@dataclass(frozen=True)
+class Number:
+    """A dimensional key of a case file and the field of the physics that it sets (SI, radians)."""
+
+    table: str
+    name: str  # without the unit
+    field: str
+    kind: Kind
+    sample: float  # SI, the paper's sample case
+    comment: str
+    required: bool = True
+    parts: tuple[str, ...] = ()  # names that may be given in its place, all of them
+    shown: bool = True  # in the example file
+    zero_if_left_out: bool = False
+    allowed: str = ""  # of an angle: the physics speaks of radians only
+
+
+@dataclass(frozen=True)
+class Option:
+    """A key that holds a word or a count."""
+
+    table: str
+    name: str
+    sample: str | int
+    comment: str
+    shown: bool = True
+
+
+_SAMPLE = "Peil & Nahrath (2003), section 3"
+_TYPICAL = "not in the paper"
+
+NUMBERS = (
+    Number(
+        "wind",
+        "speed",
+        "speed",
+        KINDS["speed"],
+        9.0,
+        "U, undisturbed wind speed; one of those in section 4.3",
+    ),
+    Number(
+        "wind",
+        "yaw",
+        "yaw",
+        KINDS["angle"],
+        0.0,
+        "gamma, 0 = wind across the cable; section 3",
+        allowed="-pi to pi rad (-180 to 180 deg)",
+        required=False,
+    ),
+    Number(
+        "wind",
+        "density",
+        "density",
+        KINDS["density"],
+        1.225,
+        f"rho of air at 15 C, {_TYPICAL}",
+        required=False,
+    ),
+    Number("section", "diameter", "diameter", KINDS["length"], 0.1, f"d; {_SAMPLE}"),
+    Number("section", "mass", "mass", KINDS["mass per length"], 50.0, f"m_S; {_SAMPLE}"),
+    Number(
+        "section",
+        "frequency",
+        "frequency",
+        KINDS["frequency"],
+        1.0,
+        f"f_y = f_z of the cable without rivulet; {_SAMPLE}",
+        parts=("frequency_y", "frequency_z"),
+    ),
+    Number(
+        "section", "frequency_y", "frequency_y", KINDS["frequency"], 1.0, "f_y", required=False, shown=False
+    ),
+    Number(
+        "section", "frequency_z", "frequency_z", KINDS["frequency"], 1.0, "f_z", required=False, shown=False
+    ),
+    Number(
+        "section",
+        "damping",
+        "damping_ratio",
+        KINDS["ratio"],
+        0.002,
+        "xi of critical; section 5 (the table of section 3 prints 2 %, a misprint)",
+        parts=("damping_y", "damping_z"),
+    ),
+    Number(
+        "section", "damping_y", "damping_ratio_y", KINDS["ratio"], 0.002, "xi_y", required=False, shown=False
+    ),
+    Number(
+        "section", "damping_z", "damping_ratio_z", KINDS["ratio"], 0.002, "xi_z", required=False, shown=False
+    ),
+    Number(
+        "section",
+        "inclination",
+        "inclination",
+        KINDS["angle"],
+        pi / 4,
+        f"delta; {_SAMPLE}",
+        allowed="0 to pi/2 rad (0 to 90 deg)",
+    ),
+    Number(
+        "section",
+        "k2_y",
+        "k2_y",
+        KINDS["quadratic stiffness"],
+        0.0077,
+        "k_y2 per metre of cable (printed as N/m^2); 0 if left out",
+        required=False,
+        zero_if_left_out=True,
+    ),
+    Number(
+        "section",
+        "k3_y",
+        "k3_y",
+        KINDS["cubic stiffness"],
+        0.00115,
+        "k_y3 per metre of cable (printed as N/m^3); 0 if left out",
+        required=False,
+        zero_if_left_out=True,
+    ),
+    Number(
+        "section",
+        "k2_z",
+        "k2_z",
+        KINDS["quadratic stiffness"],
+        0.0,
+        "k_z2; section 3; 0 if left out",
+        required=False,
+        zero_if_left_out=True,
+    ),
+    Number(
+        "section",
+        "k3_z",
+        "k3_z",
+        KINDS["cubic stiffness"],
+        0.00115,
+        "k_z3; section 3; 0 if left out",
+        required=False,
+        zero_if_left_out=True,
+    ),
+    Number("rivulet", "mass", "mass", KINDS["mass per length"], 0.2, f"m_R; {_SAMPLE}"),
+    Number("rivulet", "height", "height", KINDS["length"], 0.01, f"h, r = (d + h)/2 follows; {_SAMPLE}"),
+    Number(
+        "rivulet", "friction", "friction", KINDS["friction"], 0.05, f"d_phi, per metre of cable; {_SAMPLE}"
+    ),
+)
+
+OPTIONS = (
+    Option("coefficients", "set", "reconstructed", "a shipped set, or a file beside this one: 'my_set.toml'"),
+    Option("coefficients", "outside", "blend", "outside its validity: blend, extend or refuse"),
+    Option("coefficients", "moment_of", "reconstructed", "take C_M from another set", shown=False),
+    Option("model", "degrees_of_freedom", 3, "3: y, phi, z; 2: y, phi"),
+    Option("model", "angle", "arctan", "eq. (3): arctan, or linear as printed on its right-hand side"),
+    Option("model", "relative_speed", "wind", "eq. (2): wind as in the paper, or full"),
+)
