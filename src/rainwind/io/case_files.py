@@ -1,11 +1,13 @@
 """Case files out: a model as TOML that reads back as the same model, and the commented example."""
 
 from pathlib import Path
-from typing import Any
 
 from rainwind.errors import InputError
 from rainwind.io.schema import NUMBERS, OPTIONS, SCHEMA, TABLES
 from rainwind.io.units import written
+from rainwind.physics.coefficient_files import load_coefficients, shipped_sets
+from rainwind.physics.coefficients import CoefficientSet
+from rainwind.physics.model import RivuletModel
 
 __all__ = ["case_text", "new_case_text", "write_case"]
 
@@ -42,41 +44,47 @@ def new_case_text() -> str:
     return "\n".join(blocks)
 
 
-def case_text(model: Any, coefficients: str | None = None) -> str:
-    """`model` (a RivuletModel) as a case file.
+def case_text(model: RivuletModel, coefficients: str | None = None) -> str:
+    """`model` as a case file that reads back as an equal model.
 
-    `coefficients` is the name or file of its set, by default the set's own name. Raises InputError where
-    a case file cannot say what the model holds.
+    `coefficients` is the file of its set, relative to the case file; not needed for a shipped set. Raises
+    InputError where it is needed.
     """
+    rows: dict[str, list[str]] = {table: [] for table in TABLES}
     records = {"wind": model.wind, "section": model.section, "rivulet": model.rivulet}
-    blocks = [f"schema = {SCHEMA}\n"]
-    for table, record in records.items():
-        lines = [f"[{table}]"]
-        for item in NUMBERS:
-            value = getattr(record, item.field, None) if item.table == table else None
-            if value is not None:
-                suffix, shown = written(value, item.kind)
-                lines.append(f"{item.name}_{suffix} = {_plain(shown)}")
-        blocks.append("\n".join(lines) + "\n")
-    name = coefficients or model.coefficients.name
-    blocks.append(f"[coefficients]\nset = {_plain(name)}\noutside = {_plain(model.outside)}\n")
-    blocks.append(
-        "\n".join(
-            [
-                "[model]",
-                *(
-                    f"{option.name} = {_plain(getattr(model, option.name))}"
-                    for option in OPTIONS
-                    if option.table == "model"
-                ),
-            ]
-        )
-        + "\n"
+    for item in NUMBERS:
+        value = getattr(records[item.table], item.field, None)
+        if value is not None:
+            suffix, shown = written(value, item.kind)
+            rows[item.table].append(f"{item.name}_{suffix} = {_plain(shown)}")
+    chosen = {"set": coefficients} if coefficients else _shipped_names(model.coefficients)
+    rows["coefficients"] = [f"{key} = {_plain(name)}" for key, name in chosen.items()]
+    rows["coefficients"].append(f"outside = {_plain(model.outside)}")
+    for option in OPTIONS:
+        if option.table == "model":
+            rows["model"].append(f"{option.name} = {_plain(getattr(model, option.name))}")
+    blocks = ["\n".join([f"[{table}]", *lines]) for table, lines in rows.items()]
+    return "\n\n".join([f"schema = {SCHEMA}", *blocks]) + "\n"
+
+
+def _shipped_names(coefficients: CoefficientSet) -> dict[str, str]:
+    sets = {name: load_coefficients(name) for name in shipped_sets()}
+    for name, one in sets.items():
+        if one == coefficients:
+            return {"set": name}
+    for name, one in sets.items():
+        for other, moment in sets.items():
+            if moment.moment is not None and one.with_moment_of(moment) == coefficients:
+                return {"set": name, "moment_of": other}
+    raise InputError(
+        f"the set '{coefficients.name}' is not one of those shipped ({', '.join(sets)}); "
+        "name its file with coefficients="
     )
-    return "\n".join(blocks)
 
 
-def write_case(model: Any, path: Path | str, coefficients: str | None = None, force: bool = False) -> None:
+def write_case(
+    model: RivuletModel, path: Path | str, *, coefficients: str | None = None, force: bool = False
+) -> None:
     """Write `model` to the case file `path`, from which `read_case` gives an equal model.
 
     Raises InputError where the file exists and `force` is not set, and as `case_text` does.

@@ -11,7 +11,8 @@ from rainwind.io.faults import Faults
 from rainwind.io.lines import key_lines
 from rainwind.io.schema import NUMBERS, OPTIONS, SCHEMA, TABLES, Number
 from rainwind.io.units import from_text, number, to_si
-from rainwind.physics.coefficients import CoefficientSet, load_coefficients
+from rainwind.physics.coefficient_files import load_coefficients, shipped_sets
+from rainwind.physics.coefficients import CoefficientSet
 from rainwind.physics.model import RivuletModel
 from rainwind.physics.rivulet import Rivulet
 from rainwind.physics.section import CableSection
@@ -49,6 +50,7 @@ def model_from_text(text: str, name: str = "case", folder: Path | None = None) -
     coefficients = _coefficients(values["coefficients"], folder or Path(), faults)
     choices = _choices(values, faults)
     faults.raise_any()
+    assert coefficients is not None  # else there was a fault
     try:
         return RivuletModel(**records, coefficients=coefficients, **choices)
     except InputError as error:  # values that are each allowed and do not fit each other
@@ -215,6 +217,10 @@ def _coefficients(values: dict[str, _Given], folder: Path, faults: Faults) -> Co
     """The coefficient set, with another set's moment where the case says so; None after a fault."""
     chosen = _load("set", values["set"].value if "set" in values else _DEFAULT_SET, folder, faults)
     if "moment_of" not in values:
+        if chosen is not None and chosen.moment is None:
+            given = f"the set '{chosen.name}' has no moment curve, and the rivulet needs one"
+            faults.add(f'{given}; write moment_of = "{_DEFAULT_SET}"', "coefficients", "set")
+            return None
         return chosen
     other = _load("moment_of", values["moment_of"].value, folder, faults)
     if chosen is None or other is None:
@@ -228,7 +234,8 @@ def _coefficients(values: dict[str, _Given], folder: Path, faults: Faults) -> Co
 
 def _load(key: str, given: Any, folder: Path, faults: Faults) -> CoefficientSet | None:
     if not isinstance(given, str):
-        faults.add(f"{key} = {given!r} is no text; write a set's name or its file", "coefficients", key)
+        known = ", ".join(shipped_sets())
+        faults.add(f"{key} = {given!r} is no text; write one of {known}, or a file", "coefficients", key)
         return None
     is_file = given.endswith(".toml") or "/" in given or "\\" in given
     try:

@@ -1,0 +1,340 @@
+"""The command line: `rainwind paper`, `figure`, `equilibria`, `hopf-map`, `new`, `check`.
+
+Nothing heavy is imported before a command needs it, so that `rainwind --help` answers at once.
+"""
+
+import csv
+import os
+import sys
+from enum import Enum
+from importlib import import_module
+from math import degrees
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+import typer.core
+
+from rainwind.errors import InputError, RainwindError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+__all__ = ["app", "main"]
+
+FIGURES = {
+    4: "figure_04_coefficients",
+    5: "figure_05_equilibria",
+    6: "figure_06_stability",
+    9: "figure_09_stability_diagram",
+    10: "figure_10_rivulet_and_frequency",
+    11: "figure_11_mass_coefficients_dof",
+}
+_LATER = {7: "needs limit cycles", 8: "needs limit cycles in the time domain"}
+
+
+class Exit(int, Enum):
+    """What the shell is told."""
+
+    FINE = 0
+    FAILED = 1
+    BAD_INPUT = 2
+    INTERRUPTED = 130
+    BROKEN_PIPE = 141
+
+
+class _Group(typer.core.TyperGroup):
+    """Turns every error of a command into one message on stderr and an exit code."""
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            result = super().invoke(ctx)
+            sys.stdout.flush()  # what cannot be written shows here, not while Python shuts down
+            return result
+        except (Exception, KeyboardInterrupt) as error:
+            own = hasattr(error, "exit_code") or isinstance(error, typer.Abort)  # typer's: usage, exit
+            if own or ctx.params.get("debug"):
+                raise
+            raise typer.Exit(_report(error)) from None
+
+
+def _report(error: BaseException) -> int:
+    """Say it in one message on stderr; the exit code."""
+    code, text = Exit.FAILED, str(error)
+    if isinstance(error, BrokenPipeError):  # `rainwind equilibria | head`: nobody is left to read
+        _discard_output()
+        return Exit.BROKEN_PIPE.value
+    if isinstance(error, KeyboardInterrupt):
+        code, text = Exit.INTERRUPTED, text or "stopped"
+    elif isinstance(error, InputError):
+        code = Exit.BAD_INPUT
+    elif isinstance(error, OSError):
+        if error.filename is None:
+            _discard_output()
+        place = f"{error.filename}: " if error.filename is not None else ""
+        code, text = Exit.BAD_INPUT, f"{place}{error.strerror or error}; choose a place that can be written"
+    elif isinstance(error, MemoryError):
+        text = "not enough memory for this computation"
+    elif not isinstance(error, RainwindError):
+        kind = type(error).__name__
+        text = f"an error of the program itself, {kind}: {text}; 'rainwind --debug ...' shows where"
+    typer.echo(f"rainwind: {text}", err=True)
+    return code.value
+
+
+def _discard_output() -> None:
+    # Python would try once more to write what is left, and complain
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+app = typer.Typer(
+    cls=_Group,
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+Case = Annotated[
+    Path | None,
+    typer.Argument(metavar="[CASE]", help="Case file (TOML); without it the paper's sample case."),
+]
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from rainwind import __version__
+
+        typer.echo(f"rainwind {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
+    version: Annotated[
+        bool, typer.Option("--version", help="Print the version.", callback=_version, is_eager=True)
+    ] = False,
+) -> None:
+    """Rain-wind induced vibration of stay cables: will it vibrate, when, and how much damping stops it?"""
+
+
+@app.command()
+def paper(
+    out: Annotated[Path, typer.Option("--out", help="Folder for the results; made if needed.")] = Path(
+        "paper_out"
+    ),
+) -> None:
+    """Reproduce the figures and numbers of Peil & Nahrath (2003)."""
+    _make_folder(out)
+    run = import_module("rainwind.studies.paper_run").run
+    try:
+        with _progress() as bar:
+            task = bar.add_task("starting", total=None)
+            run(
+                out,
+                progress=lambda done, total, what: bar.update(
+                    task, completed=done, total=total, description=what
+                ),
+            )
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(f"stopped; what was finished is in {out}") from None
+    _print_targets(out / "targets.json")
+    typer.echo(f"written to {out}: report.html, targets.json, figures and data")
+
+
+@app.command()
+def figure(
+    number: Annotated[int, typer.Argument(metavar="N", help="4, 5, 6, 9, 10 or 11.")],
+    case: Case = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Image file (.png, .svg, .pdf); by default figure_NN.png.")
+    ] = None,
+) -> None:
+    """Compute and draw one figure of the paper."""
+    if number not in FIGURES:
+        known = ", ".join(map(str, FIGURES))
+        reason = f" {_LATER[number]} and comes with a later version" if number in _LATER else " is no result"
+        raise InputError(f"figure {number}{reason}; choose one of {known}")
+    out = _image_path(out or Path(f"figure_{number:02d}.png"))
+    _draw(FIGURES[number], _model(case), out)
+
+
+@app.command("hopf-map")
+def hopf_map(
+    case: Case = None,
+    out: Annotated[Path, typer.Option("--out", help="Image file (.png, .svg, .pdf).")] = Path("hopf_map.png"),
+) -> None:
+    """Draw where the equilibria lose stability over wind speed and damping."""
+    _draw("hopf_map", _model(case), _image_path(out))
+
+
+@app.command()
+def equilibria(
+    case: Case = None,
+    speed: Annotated[
+        str | None, typer.Option("--speed", metavar="SPEED", help="Wind speed in m/s, or such as '32 km/h'.")
+    ] = None,
+    csv_file: Annotated[Path | None, typer.Option("--csv", help="Write the table to this file too.")] = None,
+) -> None:
+    """List all equilibria at one wind speed, with their kind and stability."""
+    model = _model(case)
+    if speed is not None:
+        from rainwind.parameters import replace_parameters
+
+        model = replace_parameters(model, {"wind.speed": _speed(speed)})
+    if csv_file is not None:
+        _make_folder(csv_file.parent)
+    found = import_module("rainwind.dynamics").find_equilibria(model)
+    header, rows = _equilibria_table(model, found)
+    typer.echo(f"{len(rows)} equilibria at a wind speed of {model.wind.speed:g} m/s")
+    _print_table(header, rows)
+    if csv_file is not None:
+        with csv_file.open("w", newline="", encoding="utf-8") as file:
+            csv.writer(file, lineterminator="\n").writerows([header, *rows])
+        typer.echo(f"written to {csv_file}")
+
+
+@app.command()
+def new(
+    file: Annotated[Path, typer.Argument(help="Case file to write, such as case.toml.")],
+    force: Annotated[bool, typer.Option("--force", help="Overwrite the file if it exists.")] = False,
+) -> None:
+    """Write a commented case file: the paper's sample case."""
+    from rainwind.io.case_files import new_case_text
+
+    if file.is_dir():
+        raise InputError(f"{file}: is a folder; name a file in it, such as {file / 'case.toml'}")
+    if file.exists() and not force:
+        raise InputError(f"{file}: exists already; choose another name or give --force to overwrite it")
+    _make_folder(file.parent)
+    file.write_text(new_case_text(), encoding="utf-8")
+    typer.echo(f"written to {file}; 'rainwind equilibria {file}' computes it")
+
+
+@app.command()
+def check(case: Annotated[Path, typer.Argument(metavar="CASE", help="Case file (TOML).")]) -> None:
+    """Say what is wrong with a case file, every fault with its line."""
+    from rainwind.io.cases import read_case
+
+    read_case(case)
+    typer.echo(f"{case}: fine")
+
+
+def main() -> None:
+    """Entry point of the `rainwind` program."""
+    app()
+
+
+def _model(case: Path | None) -> Any:
+    if case is not None:
+        from rainwind.io.cases import read_case
+
+        return read_case(case)
+    typer.echo("no case file given: the paper's sample case", err=True)
+    return import_module("rainwind.physics.model").paper_model()
+
+
+def _speed(text: str) -> float:
+    from rainwind.io.units import KINDS, from_text
+
+    try:
+        try:
+            return float(text)
+        except ValueError:
+            return from_text(text, KINDS["speed"])
+    except InputError as error:
+        raise InputError(f"--speed '{text}' {error}") from error
+
+
+def _draw(study: str, model: Any, out: Path) -> None:
+    _make_folder(out.parent)
+    import_module("rainwind.studies.paper_run").save_figure(study, out, model=model)
+    typer.echo(f"written to {out}")
+
+
+def _image_path(path: Path) -> Path:
+    if path.suffix.lower() not in (".png", ".svg", ".pdf"):
+        raise InputError(f"--out {path}: '{path.suffix}' is no image format; end it with .png, .svg or .pdf")
+    return path
+
+
+def _make_folder(folder: Path) -> None:
+    """Make it now: a place that cannot be written is known before the computation, not after."""
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder}: is a file, not a folder; choose another name")
+    folder.mkdir(parents=True, exist_ok=True)
+    if not os.access(folder, os.W_OK):
+        raise InputError(f"{folder}: cannot be written to; choose another folder or change its permissions")
+
+
+def _equilibria_table(model: Any, found: Any) -> tuple[list[str], list[list[str]]]:
+    header = ["phi_deg", "y_mm", *(["z_mm"] if "z" in model.states else []), "kind", "max_real_part_1_s"]
+    rows = []
+    for equilibrium in sorted(found, key=lambda one: one.state["phi"]):
+        at = equilibrium.state
+        lengths = [f"{1000 * at[name]:.4f}" for name in ("y", "z") if name in model.states]
+        growth = max(value.real for value in equilibrium.eigenvalues)
+        rows.append([f"{degrees(at['phi']) % 360:.3f}", *lengths, equilibrium.kind, f"{growth:.6g}"])
+    return header, rows
+
+
+def _print_table(header: list[str], rows: list[list[str]]) -> None:
+    from rich.table import Table
+
+    table = Table(*header)
+    for row in rows:
+        table.add_row(*row)
+    console = _console()
+    with console.capture() as text:
+        console.print(table)
+    typer.echo(text.get(), nl=False)
+
+
+def _print_targets(path: Path) -> None:
+    import json
+
+    targets = json.loads(path.read_text(encoding="utf-8"))
+    rows = [
+        [
+            str(target["id"]),
+            str(target["what"]),
+            _number_text(target["paper"]),
+            _number_text(target["computed"]),
+            str(target["unit"] or ""),
+            "yes" if target["fitted"] else "no",
+            str(target["verdict"]),
+        ]
+        for target in targets
+    ]
+    _print_table(["id", "what", "paper", "computed", "unit", "fitted", "verdict"], rows)
+
+
+def _number_text(value: Any) -> str:
+    if isinstance(value, list):
+        return ", ".join(map(_number_text, value))
+    return "-" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _console() -> "Console":
+    from rich.console import Console
+
+    # a table that is piped into a file or another program is not cut at 80 columns
+    return Console(width=None if sys.stdout.isatty() else 160)
+
+
+def _progress() -> Any:
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TaskProgressColumn(),
+        TimeRemainingColumn(),
+        console=Console(stderr=True),
+    )
+
+
+if __name__ == "__main__":
+    main()
