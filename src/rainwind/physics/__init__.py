@@ -5,7 +5,8 @@ from rainwind.physics.coefficient_files import load_coefficients, shipped_sets
 from rainwind.physics.coefficients import CoefficientSet
 from rainwind.physics.curves import Polynomial, Table
 from rainwind.physics.expressions import Expression
-from rainwind.physics.model import GRAVITY, RivuletModel, paper_model
+from rainwind.physics.letters import GRAVITY
+from rainwind.physics.model import RivuletModel, paper_model
 from rainwind.physics.rivulet import Rivulet
 from rainwind.physics.section import CableSection
 from rainwind.physics.static_balance import Equilibria

@@ -47,9 +47,9 @@ class Blend:
             set_(self, name, as_curve(f"blend {name}", getattr(self, name)))
         if self.half_width >= pi or (1 + cos_of_number(self.half_width)) / self.width < _FLAT:
             raise InputError(
-                f"a blend of half width {self.half_width:.4g} rad and width {self.width:.4g} does not reach the "
-                "bare cylinder anywhere on the circle; take smaller ones, or outside='extend' for curves that are "
-                "periodic themselves"
+                f"a blend of half width {self.half_width:.4g} rad and width {self.width:.4g} does not reach "
+                "the bare cylinder anywhere on the circle; take smaller ones, or outside='extend' for curves "
+                "that are periodic themselves"
             )
 
     def weight_and_angle(self, alpha: Any) -> tuple[Any, Any]:

@@ -21,7 +21,7 @@ OUTSIDE = ("blend", "extend", "refuse")
 class CoefficientSet:
     """C_L, C_D and C_M in alpha (rad), with their source and the range [low, high] (rad) in which they hold.
 
-    lift, drag and moment: a list of numbers c0, c1, ... (polynomial), text in alpha, a `Table`, or one number;
+    lift, drag and moment: a list of numbers c0, c1, ... (polynomial), text in alpha, a `Table` or a number;
     moment may be None where the source has none. blend: None takes half points 12° outside the valid range.
     rivulet_height in m. reading_error: absolute, of each coefficient. notes: what the set's file says beside.
     Raises InputError. Source of the definitions: Peil & Nahrath (2003), eqs. (2), (3).
@@ -96,13 +96,13 @@ class CoefficientSet:
         """The moment curve; InputError if the set has none."""
         if self.moment is None:
             raise InputError(
-                f"the set '{self.name}' has no moment curve, and the rivulet needs one; take another set's with "
-                ".with_moment_of(other)"
+                f"the set '{self.name}' has no moment curve, and the rivulet needs one; take another "
+                "set's with .with_moment_of(other)"
             )
         return self.moment
 
     def with_moment_of(self, other: "CoefficientSet") -> "CoefficientSet":
-        """This set's lift and drag with the moment of `other`, valid where both are; name and source say so."""
+        """This set's lift and drag with the moment of `other`, valid where both are; its name says so."""
         low, high = max(self.valid[0], other.valid[0]), min(self.valid[1], other.valid[1])
         if low >= high:
             raise InputError(f"'{self.name}' and '{other.name}' are valid on ranges that do not overlap")

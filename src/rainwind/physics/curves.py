@@ -58,7 +58,8 @@ class Table:
             set_(self, name, numbers)
         if len(self.alpha) != len(self.value) or len(self.alpha) < 2:
             raise InputError(
-                f"the table has {len(self.alpha)} angles and {len(self.value)} values; give as many of both, at least 2"
+                f"the table has {len(self.alpha)} angles and {len(self.value)} values; give as "
+                "many of both, at least 2"
             )
         if any(b <= a for a, b in zip(self.alpha, self.alpha[1:], strict=False)):
             raise InputError("the table's angles must rise; sort the rows and drop repeated angles")
@@ -66,8 +67,8 @@ class Table:
             raise InputError(f"table degree = {self.degree!r} must be a whole number of 0 or more")
         if self.degree >= len(self.alpha):
             raise InputError(
-                f"table degree = {self.degree} needs at least {self.degree + 1} rows, there are {len(self.alpha)}; "
-                "choose a lower degree"
+                f"table degree = {self.degree} needs at least {self.degree + 1} rows, there are "
+                f"{len(self.alpha)}; choose a lower degree"
             )
         t, values = self._scaled(np.array(self.alpha)), np.array(self.value)
         fit = chebyshev.chebfit(t, values, self.degree)
@@ -80,7 +81,7 @@ class Table:
         if self.fit_error > allowed:
             raise InputError(
                 f"a polynomial of degree {self.degree} misses the table by {self.fit_error:.3g}, allowed is "
-                f"{allowed:.3g}; choose another degree, or raise allowed_error if the table is only that exact"
+                f"{allowed:.3g}; choose another degree, or raise allowed_error if the table is no more exact"
             )
 
     def __call__(self, alpha: Any) -> Any:

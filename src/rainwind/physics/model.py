@@ -3,43 +3,19 @@
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import isfinite
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
-from rainwind.elementary import atan2, cos, sin, sqrt
+from rainwind.elementary import atan2, cos, sin
 from rainwind.errors import InputError
 from rainwind.parameters import parameter_values, replace_parameters, unknown_name
 from rainwind.physics.checks import one_of
 from rainwind.physics.coefficient_files import load_coefficients
 from rainwind.physics.coefficients import OUTSIDE, CoefficientSet, Outside, check_usable
+from rainwind.physics.letters import Letters, letters
 from rainwind.physics.rivulet import Rivulet
-from rainwind.physics.section import CableSection, damping, stiffness
+from rainwind.physics.section import CableSection
 from rainwind.physics.static_balance import Equilibria, find_all_equilibria
 from rainwind.physics.wind import Wind
-
-GRAVITY = 9.81
-"""g in m/s², as in Peil & Nahrath (2003)."""
-
-
-class Letters(NamedTuple):
-    """The letters of eqs. (1) to (4) at given parameters: numbers or tape symbols."""
-
-    rho: Any
-    u_n: Any
-    beta: Any
-    d: Any
-    r: Any
-    m_s: Any
-    m_r: Any
-    g_cos_delta: Any
-    d_y: Any
-    d_z: Any
-    d_phi: Any
-    k_y: Any
-    k_y2: Any
-    k_y3: Any
-    k_z: Any
-    k_z2: Any
-    k_z3: Any
 
 
 @dataclass(frozen=True)
@@ -47,9 +23,9 @@ class RivuletModel:
     """A wetted cable section in wind; by shape a system x' = f(x, p) with states, parameters and rhs.
 
     outside: what the coefficients do beyond their valid range ("blend", "extend", "refuse").
-    degrees_of_freedom: 3 (y, phi, z) or 2 (y, phi). angle: "arctan", the exact alpha_v of eq. (3), or "linear",
-    its right-hand form. relative_speed: "wind", U_rel = U_n as in the paper, or "full", with the velocities of
-    cable and rivulet. All numbers in SI and rad. Raises InputError.
+    degrees_of_freedom: 3 (y, phi, z) or 2 (y, phi). angle: "arctan", the exact alpha_v of eq. (3), or
+    "linear", its right-hand form. relative_speed: "wind", U_rel = U_n as in the paper, or "full", with the
+    velocities of cable and rivulet. All numbers in SI and rad. Raises InputError.
     Source: Peil & Nahrath (2003), section 2.
     """
 
@@ -79,7 +55,7 @@ class RivuletModel:
         if self.normal_speed < 1e-9 * self.wind.speed:
             raise InputError(
                 "the wind blows along the cable, so that no wind meets the section (wind.yaw 90 degrees and "
-                "section.inclination 0); change either angle, or set wind.density = 0 for still air"
+                "section.inclination 0); change either angle"
             )
 
     @property
@@ -119,31 +95,9 @@ class RivuletModel:
 
     def letters(self, p: Mapping[str, Any]) -> Letters:
         """The letters of eqs. (1) to (4) from the parameters p, indexable by dotted name."""
-        gamma, delta = p["wind.yaw"], p["section.inclination"]
-        normal = sqrt(cos(gamma) * cos(gamma) + sin(gamma) * sin(gamma) * (sin(delta) * sin(delta)))
-        m_s, f_y, f_z = p["section.mass"], p["section.frequency_y"], p["section.frequency_z"]
-        follows = "section.damping_ratio"
-        xi_y = p[follows if self.section.damping_ratio_y is None else "section.damping_ratio_y"]
-        xi_z = p[follows if self.section.damping_ratio_z is None else "section.damping_ratio_z"]
-        return Letters(
-            rho=p["wind.density"],
-            u_n=p["wind.speed"] * normal,
-            # eq. (1), with atan2 so that it also holds beyond 90 degrees
-            beta=atan2(sin(gamma) * sin(delta), cos(gamma)),
-            d=p["section.diameter"],
-            r=(p["section.diameter"] + p["rivulet.height"]) / 2,
-            m_s=m_s,
-            m_r=p["rivulet.mass"],
-            g_cos_delta=GRAVITY * cos(delta),
-            d_y=damping(m_s, f_y, xi_y),
-            d_z=damping(m_s, f_z, xi_z),
-            d_phi=p["rivulet.friction"],
-            k_y=stiffness(m_s, f_y),
-            k_y2=p["section.k2_y"],
-            k_y3=p["section.k3_y"],
-            k_z=stiffness(m_s, f_z),
-            k_z2=p["section.k2_z"],
-            k_z3=p["section.k3_z"],
+        own = self.section
+        return letters(
+            p, ratio_y_apart=own.damping_ratio_y is not None, ratio_z_apart=own.damping_ratio_z is not None
         )
 
     def angle_of_attack(self, x: Sequence[Any], p: Mapping[str, Any]) -> Any:
@@ -159,7 +113,7 @@ class RivuletModel:
     def rhs(self, x: Sequence[Any], p: Mapping[str, Any]) -> tuple[Any, ...]:
         """x' of eq. (5): x in the order of `states`, p indexable by dotted name; of numbers or tape symbols.
 
-        Eq. (4) solved for the accelerations; the mass matrix is inverted by hand, its determinant never vanishes.
+        Eq. (4) solved for the accelerations by hand: the mass matrix is never singular.
         """
         y, phi, z, y_dot, phi_dot, z_dot = self._all_six(x)
         at = self.letters(p)
@@ -183,8 +137,9 @@ class RivuletModel:
         """All equilibria, on the whole circle, sorted by phi; `parameters` overrides some of the model's own.
 
         The result reads like an array of shape (k, n), and says whether it is certified to be complete.
-        With outside="extend", phi is searched in (-pi, pi]; with "refuse", those outside the valid range are
-        left out. Raises InputError for unknown names. Source: Peil & Nahrath (2003), section 4.1, eq. (6).
+        phi lies in (-pi/2, 3 pi/2] with outside="blend", in (-pi, pi] with "extend" and "refuse"; with
+        "refuse", those outside the valid range are left out. Raises InputError for unknown names.
+        Source: Peil & Nahrath (2003), section 4.1, eq. (6).
         """
         at = self.letters(self._merged(parameters))
         return find_all_equilibria(at, self.coefficients, self.outside, self.degrees_of_freedom)
@@ -199,8 +154,8 @@ class RivuletModel:
         low, high = self.coefficients.valid
         return (
             f"angle of attack {alpha:.4g} rad is outside [{low:.4g}, {high:.4g}] rad where "
-            f"'{self.coefficients.name}' is valid ({self.coefficients.source}); choose another coefficient set, or "
-            "outside='blend' or 'extend'"
+            f"'{self.coefficients.name}' is valid ({self.coefficients.source}); choose another "
+            "coefficient set, or outside='blend' or 'extend'"
         )
 
     def _merged(self, parameters: Mapping[str, float] | None) -> dict[str, float]:

@@ -2,21 +2,44 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
+from itertools import product
+from math import pi
 from typing import Any
 
 import numpy as np
 
+from rainwind.elementary import sin
 from rainwind.physics.coefficients import CoefficientSet, Outside
+from rainwind.physics.intervals import Box
+from rainwind.physics.letters import Letters
+from rainwind.physics.root_isolation import Bracket, isolate_roots, polished_root
+from rainwind.physics.spring import rest_positions
+
+_BOXES = 1024
+# the raw curves are searched a little beyond (-pi, pi], so that a root at pi is inside
+_MARGIN = 1e-6
+_ROUNDING = 1e-14
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Equilibria:
-    """Placeholder."""
+    """All equilibria; reads like the array `states` of shape (k, n), sorted by phi.
+
+    names: of the n states. unresolved: (state, low, high) where the count of equilibria is not certain, e.g.
+    at a fold, where two are one; empty means that no equilibrium is missing.
+    """
 
     states: np.ndarray
+    names: tuple[str, ...]
+    unresolved: tuple[tuple[str, float, float], ...] = ()
+
+    @property
+    def certified(self) -> bool:
+        """Whether the list is complete, to the rounding of interval arithmetic."""
+        return not self.unresolved
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
-        """The states."""
         return np.array(self.states, dtype=dtype)
 
     def __len__(self) -> int:
@@ -25,9 +48,87 @@ class Equilibria:
     def __iter__(self) -> Iterator[np.ndarray]:
         return iter(self.states)
 
+    def __getitem__(self, index: Any) -> Any:
+        return self.states[index]
+
 
 def find_all_equilibria(
-    at: Any, coefficients: CoefficientSet, outside: Outside, degrees_of_freedom: int
+    at: Letters, coefficients: CoefficientSet, outside: Outside, degrees_of_freedom: int
 ) -> Equilibria:
-    """Not yet built."""
-    raise NotImplementedError
+    """All x with 0 = f(x), eq. (6) of Peil & Nahrath (2003): alpha_v = 0 at rest, so that phi stands alone.
+
+    g(phi) = ½ rho d² U_n² C_M(-phi) + m_R r g cos(delta) sin(phi + beta) = 0, then k q + k2 q² + k3 q³ = F
+    for y and z; every combination is an equilibrium. phi runs over (-pi/2, 3 pi/2] with periodic coefficients
+    (in the order of the paper's figure 5: the lower rivulet last), over (-pi, pi] with raw ones.
+    """
+    angles, unresolved = _rivulet_angles(at, coefficients, outside)
+    q_d = 0.5 * float(at.rho * at.d * at.u_n * at.u_n)
+    rows: list[tuple[float, ...]] = []
+    for phi in angles:
+        c_l, c_d, _ = coefficients.at(-phi, outside)
+        ys, double_ys = rest_positions(float(at.k_y), at.k_y2, at.k_y3, float(-q_d * c_l))
+        unresolved += [("y", y, y) for y in double_ys]
+        if degrees_of_freedom == 2:
+            rows += [(y, phi, 0.0, 0.0) for y in ys]
+            continue
+        zs, double_zs = rest_positions(float(at.k_z), at.k_z2, at.k_z3, float(q_d * c_d))
+        unresolved += [("z", z, z) for z in double_zs]
+        rows += [(y, phi, z, 0.0, 0.0, 0.0) for y, z in product(ys, zs)]
+    two = degrees_of_freedom == 2
+    names = ("y", "phi", "y_dot", "phi_dot") if two else ("y", "phi", "z", "y_dot", "phi_dot", "z_dot")
+    return Equilibria(np.array(rows).reshape(-1, len(names)), names, tuple(unresolved))
+
+
+def _rivulet_angles(
+    at: Letters, coefficients: CoefficientSet, outside: Outside
+) -> tuple[list[float], list[tuple[str, float, float]]]:
+    wind, weight = 0.5 * at.rho * at.d * at.d * at.u_n * at.u_n, at.m_r * at.r * at.g_cos_delta
+    edges, moment = _moment_on_boxes(coefficients, outside)
+    scale = float(wind + at.m_r * at.r * 10.0)
+
+    def balance(phi: Any) -> Any:
+        return wind * coefficients.moment_at(-phi, outside) + weight * sin(phi + at.beta)
+
+    first = wind * moment + weight * sin(Box.variable(edges[:-1], edges[1:]) + at.beta)
+    period = 2 * pi if outside == "blend" else None
+    isolated = isolate_roots(balance, edges, first=first, period=period, tiny=1e-15 * scale)
+    roots = [polished_root(balance, bracket) for bracket in isolated.brackets]
+    if outside == "blend":
+        angles = sorted(_on_circle(phi) for phi in roots)
+        unresolved = isolated.unresolved
+    else:
+        angles = [min(phi, pi) for phi in roots if -pi + _ROUNDING < phi <= pi + _ROUNDING]
+        unresolved = tuple(
+            u for u in isolated.unresolved if u[1] > -pi + 2 * _MARGIN and u[0] <= pi + _ROUNDING
+        )
+    if outside == "refuse":
+        angles = [phi for phi in angles if coefficients.covers(-phi)]
+        unresolved = tuple(u for u in unresolved if _meets(u, coefficients.valid))
+    return angles, [("phi", low, high) for low, high in unresolved]
+
+
+@lru_cache(maxsize=64)
+def _moment_on_boxes(coefficients: CoefficientSet, outside: Outside) -> tuple[np.ndarray, Box]:
+    """Edges in phi and the enclosure of C_M(-phi) between them: the part that no parameter changes."""
+    if outside == "blend":
+        # the cut of the wrapped angle falls on an edge
+        centre = -coefficients.usable_blend.centre
+        edges = np.linspace(centre - pi, centre + pi, _BOXES + 1)
+    else:
+        edges = np.linspace(-pi - _MARGIN, pi + _MARGIN, _BOXES + 1)
+    moment = coefficients.moment_at(-Box.variable(edges[:-1], edges[1:]), outside)
+    if not isinstance(moment, Box):
+        # a constant curve
+        bounds = np.full(_BOXES, float(moment))
+        moment = Box((bounds, bounds), (np.zeros(_BOXES), np.zeros(_BOXES)))
+    return edges, moment
+
+
+def _on_circle(phi: float) -> float:
+    """phi in (-pi/2, 3 pi/2]: the lower rivulet lies near pi, so that is no place for a cut."""
+    turned = phi - 2 * pi * round((phi - pi / 2) / (2 * pi))
+    return turned + 2 * pi if turned <= -pi / 2 + _ROUNDING else turned
+
+
+def _meets(phi: Bracket, valid: tuple[float, float]) -> bool:
+    return -phi[1] <= valid[1] and -phi[0] >= valid[0]

@@ -1,0 +1,62 @@
+"""The letters of the paper's equations, from parameters by dotted name."""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from rainwind.elementary import atan2, cos, sin, sqrt
+from rainwind.physics.section import damping, stiffness
+
+GRAVITY = 9.81
+"""g in m/s², as in Peil & Nahrath (2003)."""
+
+
+class Letters(NamedTuple):
+    """The letters of eqs. (1) to (4) at given parameters: numbers or tape symbols."""
+
+    rho: Any
+    u_n: Any
+    beta: Any
+    d: Any
+    r: Any
+    m_s: Any
+    m_r: Any
+    g_cos_delta: Any
+    d_y: Any
+    d_z: Any
+    d_phi: Any
+    k_y: Any
+    k_y2: Any
+    k_y3: Any
+    k_z: Any
+    k_z2: Any
+    k_z3: Any
+
+
+def letters(p: Mapping[str, Any], *, ratio_y_apart: bool, ratio_z_apart: bool) -> Letters:
+    """The letters from the parameters p; `_apart`: p has a damping ratio of its own for that direction."""
+    gamma, delta = p["wind.yaw"], p["section.inclination"]
+    normal = sqrt(cos(gamma) * cos(gamma) + sin(gamma) * sin(gamma) * (sin(delta) * sin(delta)))
+    m_s, f_y, f_z = p["section.mass"], p["section.frequency_y"], p["section.frequency_z"]
+    follows = "section.damping_ratio"
+    xi_y = p["section.damping_ratio_y" if ratio_y_apart else follows]
+    xi_z = p["section.damping_ratio_z" if ratio_z_apart else follows]
+    return Letters(
+        rho=p["wind.density"],
+        u_n=p["wind.speed"] * normal,
+        # eq. (1), with atan2 so that it also holds beyond 90 degrees
+        beta=atan2(sin(gamma) * sin(delta), cos(gamma)),
+        d=p["section.diameter"],
+        r=(p["section.diameter"] + p["rivulet.height"]) / 2,
+        m_s=m_s,
+        m_r=p["rivulet.mass"],
+        g_cos_delta=GRAVITY * cos(delta),
+        d_y=damping(m_s, f_y, xi_y),
+        d_z=damping(m_s, f_z, xi_z),
+        d_phi=p["rivulet.friction"],
+        k_y=stiffness(m_s, f_y),
+        k_y2=p["section.k2_y"],
+        k_y3=p["section.k3_y"],
+        k_z=stiffness(m_s, f_z),
+        k_z2=p["section.k2_z"],
+        k_z3=p["section.k3_z"],
+    )
