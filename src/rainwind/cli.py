@@ -185,10 +185,11 @@ def equilibria(
         model = replace_parameters(model, {"wind.speed": _speed(speed)})
     if csv_file is not None:
         _make_folder(csv_file.parent)
-    found = import_module("rainwind.dynamics").find_equilibria(model)
+    found = import_module("rainwind.dynamics.equilibria").find_equilibria(model)
     header, rows = _equilibria_table(model, found)
-    typer.echo(f"{len(rows)} equilibria at a wind speed of {model.wind.speed:g} m/s")
-    _print_table(header, rows)
+    noun = "equilibrium" if len(rows) == 1 else "equilibria"
+    typer.echo(f"{len(rows)} {noun} at a wind speed of {model.wind.speed:g} m/s")
+    _print_table(header, [[_number_text(value) for value in row] for row in rows])
     if csv_file is not None:
         with csv_file.open("w", newline="", encoding="utf-8") as file:
             csv.writer(file, lineterminator="\n").writerows([header, *rows])
@@ -268,15 +269,16 @@ def _make_folder(folder: Path) -> None:
         raise InputError(f"{folder}: cannot be written to; choose another folder or change its permissions")
 
 
-def _equilibria_table(model: Any, found: Any) -> tuple[list[str], list[list[str]]]:
-    header = ["phi_deg", "y_mm", *(["z_mm"] if "z" in model.states else []), "kind", "max_real_part_1_s"]
-    rows = []
-    for equilibrium in sorted(found, key=lambda one: one.state["phi"]):
-        at = equilibrium.state
-        lengths = [f"{1000 * at[name]:.4f}" for name in ("y", "z") if name in model.states]
-        growth = max(value.real for value in equilibrium.eigenvalues)
-        rows.append([f"{degrees(at['phi']) % 360:.3f}", *lengths, equilibrium.kind, f"{growth:.6g}"])
-    return header, rows
+def _equilibria_table(model: Any, found: Any) -> tuple[list[str], list[list[float | str]]]:
+    """The header, and a row for each equilibrium by rising angle; lengths in mm, phi in degrees, 0 to 360."""
+    lengths = [name for name in ("y", "z") if name in model.states]
+    header = ["phi [deg]", *(f"{name} [mm]" for name in lengths), "kind", "largest real part [1/s]"]
+    rows: list[list[float | str]] = []
+    for one in found:
+        growth = float(max(value.real for value in one.eigenvalues))
+        millimetres = [1000 * float(one[name]) for name in lengths]
+        rows.append([degrees(one["phi"]) % 360, *millimetres, one.kind, growth])
+    return header, sorted(rows, key=lambda row: row[0])
 
 
 def _print_table(header: list[str], rows: list[list[str]]) -> None:

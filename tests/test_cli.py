@@ -1,0 +1,340 @@
+"""The command line: what it prints, what it writes, its exit codes, and no traceback for bad input."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from typer.testing import CliRunner
+
+from rainwind import __version__
+from rainwind.cli import FIGURES, app
+from rainwind.errors import ComputationError
+from rainwind.io.cases import read_case
+from rainwind.physics import paper_model
+
+SOURCE = Path(__file__).parents[1] / "src"
+TARGETS = [
+    {
+        "id": "T2",
+        "what": "fold",
+        "paper": 8.0,
+        "computed": 7.997,
+        "unit": "m/s",
+        "fitted": True,
+        "verdict": "met",
+    },
+    {
+        "id": "T5",
+        "what": "folds of cycles",
+        "paper": [10.7, 12.7],
+        "computed": None,
+        "unit": "m/s",
+        "fitted": False,
+        "verdict": "not_computed",
+    },
+]
+
+
+def run(*arguments: object, fine: int = 0) -> SimpleNamespace:
+    """The program inside this process; the exit code must be `fine`."""
+    # wide and plain, so that no word is broken or coloured
+    plain = {"COLUMNS": "200", "NO_COLOR": "1", "TERM": "dumb"}
+    result = CliRunner(env=plain).invoke(app, [str(argument) for argument in arguments])
+    assert result.exit_code == fine, (result.output, result.exception)
+    if fine:
+        assert "Traceback" not in result.output
+    return SimpleNamespace(out=result.stdout, err=result.stderr, raised=result.exception)
+
+
+def program(*arguments: object, cwd: Path, **options: object) -> subprocess.CompletedProcess[str]:
+    """The program as its own process."""
+    command = [sys.executable, "-m", "rainwind.cli", *map(str, arguments)]
+    return subprocess.run(command, cwd=cwd, env=environment(), capture_output=True, text=True, **options)
+
+
+def environment() -> dict[str, str]:
+    return os.environ | {"PYTHONPATH": str(SOURCE)}
+
+
+@pytest.fixture
+def case(tmp_path: Path) -> Path:
+    run("new", tmp_path / "case.toml")
+    return tmp_path / "case.toml"
+
+
+@pytest.fixture
+def studies(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
+    """A stand-in for the studies, which take long: what the command line expects of them."""
+    calls: list[tuple[str, Path, object]] = []
+
+    def paper_run(out: Path, *, progress) -> None:
+        for done, what in enumerate(("figure 4", "figure 5"), start=1):
+            progress(done, 2, what)
+        (out / "targets.json").write_text(json.dumps(TARGETS), encoding="utf-8")
+
+    stand_in = SimpleNamespace(
+        run=paper_run,
+        save_figure=lambda study, path, *, model: calls.append((study, path, model)),
+        calls=calls,
+    )
+    monkeypatch.setitem(sys.modules, "rainwind.studies.paper_run", stand_in)
+    return stand_in
+
+
+@pytest.fixture
+def equilibria(monkeypatch: pytest.MonkeyPatch) -> list[object]:
+    """A stand-in for the dynamics: two equilibria whose numbers are known; the models it was asked for."""
+    asked: list[object] = []
+
+    class Equilibrium(dict):
+        kind = "stable focus"
+        eigenvalues = (-0.5 + 2j, -0.25 + 0j)
+
+    def find(model: object) -> list[Equilibrium]:
+        asked.append(model)
+        return [Equilibrium(phi=-3.0, y=0.001, z=0.002), Equilibrium(phi=0.5, y=-0.003, z=0.25)]
+
+    monkeypatch.setitem(sys.modules, "rainwind.dynamics.equilibria", SimpleNamespace(find_equilibria=find))
+    return asked
+
+
+def test_version():
+    assert run("--version").out == f"rainwind {__version__}\n"
+
+
+def test_help_names_every_command():
+    text = run("--help").out
+    for command in ("paper", "figure", "equilibria", "hopf-map", "new", "check"):
+        assert command in text
+        assert "Usage" in run(command, "--help").out
+
+
+def test_new_writes_the_sample_case_and_overwrites_only_when_told(tmp_path: Path):
+    path = tmp_path / "a" / "case.toml"
+    run("new", path)
+    assert read_case(path) == paper_model()
+    path.write_text("mine", encoding="utf-8")
+    assert "--force" in run("new", path, fine=2).err
+    assert path.read_text(encoding="utf-8") == "mine"
+    run("new", path, "--force")
+    assert read_case(path) == paper_model()
+    assert "is a folder" in run("new", tmp_path, "--force", fine=2).err
+
+
+def test_check(case: Path, tmp_path: Path):
+    assert run("check", case).out == f"{case}: fine\n"
+    bad = tmp_path / "bad.toml"
+    text = case.read_text(encoding="utf-8").replace("mass_kg_m = 50", "mass_kg_m = -50")
+    bad.write_text(text.replace("speed_m_s", "speed"), encoding="utf-8")
+    err = run("check", bad, fine=2).err
+    assert "2 faults" in err
+    assert "line 7: speed = 9.0 has no unit" in err
+    assert "line 13: mass_kg_m = -50.0" in err
+    assert "no such file" in run("check", tmp_path / "none.toml", fine=2).err
+
+
+def test_equilibria(equilibria: list[object], tmp_path: Path):
+    result = run("equilibria", "--csv", tmp_path / "new" / "a.csv")
+    assert "the paper's sample case" in result.err
+    assert "2 equilibria at a wind speed of 9 m/s" in result.out
+    assert equilibria == [paper_model()]
+    header, first, second = (tmp_path / "new" / "a.csv").read_text(encoding="utf-8").splitlines()
+    assert header == "phi [deg],y [mm],z [mm],kind,largest real part [1/s]"
+    assert [float(first.split(",")[i]) for i in (0, 1, 2, 4)] == pytest.approx(
+        [28.6478898, -3.0, 250.0, -0.25]
+    )
+    assert [float(second.split(",")[i]) for i in (0, 1, 2, 4)] == pytest.approx(
+        [188.1126615, 1.0, 2.0, -0.25]
+    )
+
+
+@pytest.mark.parametrize(("given", "speed"), [("12", 12.0), ("12 m/s", 12.0), ("36 km/h", 10.0)])
+def test_equilibria_at_a_speed(equilibria: list[object], case: Path, given: str, speed: float):
+    run("equilibria", case, "--speed", given)
+    assert equilibria == [paper_model().with_parameters({"wind.speed": speed})]
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ("0", "above 0"),
+        ("-3", "above 0"),
+        ("nan", "not finite"),
+        ("fast", "9 m/s"),
+        ("9 kg", "no unit of a speed"),
+    ],
+)
+def test_equilibria_at_no_speed(equilibria: list[object], given: str, words: str):
+    assert words in run("equilibria", "--speed", given, fine=2).err
+    assert equilibria == []
+
+
+@pytest.mark.parametrize("number", FIGURES)
+def test_figure(studies: SimpleNamespace, case: Path, tmp_path: Path, number: int):
+    out = tmp_path / "pictures" / "a.svg"
+    assert f"written to {out}" in run("figure", number, case, "--out", out).out
+    assert studies.calls == [(FIGURES[number], out, paper_model())]
+    assert out.parent.is_dir()
+
+
+def test_hopf_map(studies: SimpleNamespace, tmp_path: Path):
+    run("hopf-map", "--out", tmp_path / "map.png")
+    assert studies.calls == [("hopf_map", tmp_path / "map.png", paper_model())]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["figure", "7"], "later version"),
+        (["figure", "8"], "later version"),
+        (["figure", "3"], "choose one of 4, 5, 6, 9, 10, 11"),
+        (["figure", "nine"], "integer"),
+        (["figure"], "Missing argument"),
+        (["figure", "9", "--out", "a.gif"], ".png, .svg or .pdf"),
+        (["hopf-map", "--out", "map"], ".png, .svg or .pdf"),
+        (["figure", "9", "none.toml"], "no such file"),
+        (["equilibrium"], "No such command"),
+        (["check"], "Missing argument"),
+        (["check", "a", "b"], "unexpected"),
+        (["paper", "--oout", "x"], "No such option"),
+    ],
+)
+def test_bad_arguments(studies: SimpleNamespace, arguments: list[str], words: str):
+    assert words in run(*arguments, fine=2).err
+    assert studies.calls == []
+
+
+def test_paper_prints_the_targets(studies: SimpleNamespace, tmp_path: Path):
+    out = run("paper", "--out", tmp_path / "results").out
+    for word in ("T2", "7.997", "met", "10.7, 12.7", "not_computed"):
+        assert word in out
+
+
+def test_a_file_in_place_of_the_folder(studies: SimpleNamespace, tmp_path: Path):
+    (tmp_path / "results").write_text("", encoding="utf-8")
+    assert "is a file, not a folder" in run("paper", "--out", tmp_path / "results", fine=2).err
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write everywhere")
+def test_a_folder_that_cannot_be_written(studies: SimpleNamespace, tmp_path: Path):
+    (tmp_path / "results").mkdir(mode=0o500)
+    assert "cannot be written" in run("paper", "--out", tmp_path / "results", fine=2).err
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "words"),
+    [
+        (ComputationError("not one point"), 1, "rainwind: not one point"),
+        (RuntimeError("boom"), 1, "RuntimeError: boom; 'rainwind --debug"),
+        (MemoryError(), 1, "not enough memory"),
+        (OSError(28, "No space left on device", "a.nc"), 2, "a.nc: No space left on device"),
+        (KeyboardInterrupt(), 130, "what was finished is in"),
+    ],
+)
+def test_a_computation_that_fails(studies, monkeypatch, tmp_path: Path, error, code: int, words: str):
+    def fail(*_: object, **__: object) -> None:
+        raise error
+
+    monkeypatch.setattr(studies, "run", fail)
+    assert words in run("paper", "--out", tmp_path, fine=code).err
+
+
+def test_debug_shows_where(studies, monkeypatch, tmp_path: Path):
+    result = CliRunner().invoke(app, ["--debug", "check", str(tmp_path / "none.toml")])
+    assert type(result.exception).__name__ == "CaseError"
+
+
+def test_the_program_itself(tmp_path: Path):
+    assert program("new", "case.toml", cwd=tmp_path).returncode == 0
+    fine = program("check", "case.toml", cwd=tmp_path)
+    assert (fine.returncode, fine.stdout, fine.stderr) == (0, "case.toml: fine\n", "")
+    bad = program("check", tmp_path, cwd=tmp_path)
+    assert (bad.returncode, bad.stdout) == (2, "")
+    assert bad.stderr.startswith("rainwind: ")
+    assert "Traceback" not in bad.stderr
+    assert program("figure", "7", cwd=tmp_path).returncode == 2
+    assert program("nonsense", cwd=tmp_path).returncode == 2
+    assert "Traceback" in program("--debug", "check", tmp_path, cwd=tmp_path).stderr
+
+
+def test_help_loads_nothing_heavy(tmp_path: Path):
+    code = (
+        "import sys; sys.argv = ['rainwind', '--help']\n"
+        "import rainwind.cli\n"
+        "try: rainwind.cli.main()\n"
+        "except SystemExit: pass\n"
+        "heavy = {'numpy', 'scipy', 'numba', 'matplotlib', 'pint', 'xarray', 'pydantic'}\n"
+        "print('loaded', heavy & set(sys.modules))"
+    )
+    result = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=tmp_path,
+        env=environment(),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert result.stdout.endswith("loaded set()\n")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no such pipes and signals")
+@pytest.mark.parametrize(
+    ("place", "code", "words"), [("pipe", 141, ""), ("/dev/full", 2, "rainwind: No space left on device")]
+)
+def test_output_that_nobody_takes(tmp_path: Path, place: str, code: int, words: str):
+    if place == "pipe":
+        reading, writing = os.pipe()
+        os.close(reading)
+    else:
+        if not Path(place).exists():
+            pytest.skip(f"no {place}")
+        writing = os.open(place, os.O_WRONLY)
+    result = subprocess.run(
+        [sys.executable, "-m", "rainwind.cli", "new", "case.toml"],
+        cwd=tmp_path,
+        env=environment(),
+        stdout=writing,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    os.close(writing)
+    assert result.returncode == code
+    assert result.stderr.startswith(words)
+    assert "Exception" not in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
+def test_ctrl_c(tmp_path: Path):
+    code = (
+        "import sys, time, types\n"
+        "def run(out, *, progress):\n"
+        "    progress(1, 9, 'figure 4')\n"
+        "    print('ready', flush=True)\n"
+        "    time.sleep(60)\n"
+        "sys.modules['rainwind.studies.paper_run'] = types.SimpleNamespace(run=run)\n"
+        "sys.argv = ['rainwind', 'paper', '--out', 'results']\n"
+        "import rainwind.cli\n"
+        "rainwind.cli.main()\n"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", code],
+        cwd=tmp_path,
+        env=environment(),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout is not None
+    while "ready" not in process.stdout.readline():
+        assert process.poll() is None
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert "stopped; what was finished is in results" in err
+    assert "Traceback" not in err
