@@ -1,23 +1,26 @@
 """A plain Python right-hand side, called once with symbols, becomes a tape of elementary operations.
 
-A tape is data: three arrays that the kernels in `dynamics/kernels/` interpret. Its slots hold, in this order, the
-inputs (states, then parameters), the constants, and the results of the operations. Some operations fill two
-slots, because the derivatives of the first need the second (sin and cos, tan and 1 + tan^2, ...).
+A tape is data: three arrays that the kernels in `dynamics/kernels/` interpret. Its slots hold, in this order,
+the inputs (states, then parameters), the constants, and the results of the operations. Some operations fill
+two slots, because the derivatives of the first need the second (sin and cos, tan and 1 + tan^2, ...).
 """
 
 import math
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
+from numbers import Real
+from types import FrameType, TracebackType
 from typing import Any, NoReturn
 
 import numpy as np
 
 from rainwind.dynamics.kernels import opcodes as op
-from rainwind.errors import TraceError
+from rainwind.errors import RainwindError, TraceError
 
-_OURS = (__file__, str(Path(__file__).parents[1] / "elementary.py"))
+# frames that are never the line to show: where a symbol is recorded, not where the user wrote it
+_NOT_THE_USERS = ("rainwind.dynamics.tape", "rainwind.elementary", "numpy", "scipy")
+_LARGEST_WHOLE_POWER = 1024
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,12 +94,14 @@ class Symbol:
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
         """Let `np.sin(x)`, `2.0 * x` with NumPy numbers and the like record too."""
-        if method != "__call__" or options or any(np.ndim(i) for i in inputs if not isinstance(i, Symbol)):
-            _refuse(f"np.{ufunc.__name__} with arrays or options cannot be recorded; write it with scalars")
-        inputs = tuple(i if isinstance(i, Symbol) else float(i) for i in inputs)
-        if ufunc.__name__ in _UFUNC_OPERATORS:
-            return _UFUNC_OPERATORS[ufunc.__name__](self._recorder, *inputs)
-        return self._recorder.elementary(_UFUNC_NAMES.get(ufunc.__name__, ufunc.__name__), inputs)
+        name = ufunc.__name__
+        if method != "__call__" or options or any(isinstance(i, np.ndarray) and i.ndim for i in inputs):
+            _refuse(f"np.{name} with arrays or options cannot be recorded; write it with scalars")
+        if name in _UFUNC_BRANCHES:
+            self._branch()
+        if name in _UFUNC_OPERATORS:
+            return _UFUNC_OPERATORS[name](self._recorder, *inputs)
+        return self._recorder.elementary(_UFUNC_NAMES.get(name, name), inputs)
 
     def _branch(self, *_: Any) -> NoReturn:
         _refuse(
@@ -115,7 +120,7 @@ class Symbol:
     __float__ = __int__ = __index__ = __complex__ = _number  # type: ignore[assignment]
 
     def __getattr__(self, name: str) -> NoReturn:
-        if name.startswith("__"):
+        if name.startswith("_"):  # optional protocols that callers ask for with getattr(..., None)
             raise AttributeError(name)
         _refuse(f"a traced value is a scalar and has no attribute '{name}'")
 
@@ -123,28 +128,33 @@ class Symbol:
         return f"Symbol({self._slot})"
 
 
-class Named(Sequence):
+class Named:
     """Values that go by name: `x.phi`, `p["wind.speed"]`, `x[1]`, `y, phi = x`."""
 
-    __slots__ = ("_kind", "_names", "_values")
+    # mangled, and no base class with methods such as `index`: any word may name a state
+    __slots__ = ("__kind", "__names", "__values")
 
     def __init__(self, names: tuple[str, ...], values: Sequence[Any], kind: str) -> None:
-        self._names, self._values, self._kind = names, values, kind
+        self.__names, self.__values, self.__kind = names, values, kind
 
     def __getitem__(self, key: Any) -> Any:
         if isinstance(key, str):
-            if key not in self._names:
-                raise TraceError(f"{self._kind}s are {', '.join(self._names)}; there is no '{key}'{_where()}")
-            return self._values[self._names.index(key)]
-        return self._values[key]
+            if key not in self.__names:
+                names = ", ".join(self.__names) or "not given"
+                _refuse(f"{self.__kind}s are {names}; there is no '{key}'")
+            return self.__values[self.__names.index(key)]
+        return self.__values[key]
 
     def __getattr__(self, name: str) -> Any:
-        if name.startswith("__"):
+        if name.startswith(("__", "_Named__")):
             raise AttributeError(name)
         return self[name]
 
     def __len__(self) -> int:
-        return len(self._values)
+        return len(self.__values)
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self.__values)
 
 
 @dataclass
@@ -155,18 +165,24 @@ class _Recorder:
     rows: list[tuple[int, Any, Any]] = field(default_factory=list)
     known: dict[tuple, int] = field(default_factory=dict)
 
-    def symbol(self, value: Any) -> Any:
-        """The slot key of a symbol or constant: ("in", i), ("op", row, which) or a float."""
+    def key(self, value: Any, where: str | None = None) -> Any:
+        """What stands for a symbol or constant in a row: ("in", i), ("op", row, which) or a float."""
         if isinstance(value, Symbol):
             if value._recorder is not self:
-                _refuse("a traced value of another right-hand side was kept and used again")
+                _refuse("a traced value of another right-hand side was kept and used again", where)
             return value._slot
+        if isinstance(value, np.ndarray) and value.ndim == 0:
+            return self.key(value.item(), where)
         try:
+            if isinstance(value, str | bytes | np.ndarray):
+                raise TypeError
             number = float(value)
+        except OverflowError:
+            number = math.inf
         except (TypeError, ValueError):
-            _refuse(f"{type(value).__name__} {value!r} cannot be recorded; a number is needed")
+            _refuse(f"{type(value).__name__} {value!r} cannot be recorded; a number is needed", where)
         if not math.isfinite(number):
-            _refuse(f"the constant {number} is not finite")
+            _refuse(f"the constant {number} is not finite", where)
         return number
 
     def record(self, code: int, a: Any, b: Any = 0.0, *, second: bool = False) -> Symbol:
@@ -180,7 +196,7 @@ class _Recorder:
         return Symbol(self, ("op", row, int(second)))
 
     def binary(self, code: int, left: Any, right: Any) -> Any:
-        a, b = self.symbol(left), self.symbol(right)
+        a, b = self.key(left), self.key(right)
         if isinstance(a, float) and isinstance(b, float):
             return self.constant(_NUMERIC[code], a, b)
         if code == op.ADD and 0.0 in (a, b):
@@ -202,14 +218,14 @@ class _Recorder:
         return self.record(code, a, b)
 
     def unary(self, code: int, value: Any) -> Any:
-        a = self.symbol(value)
+        a = self.key(value)
         return -a if isinstance(a, float) else self.record(code, a)
 
     def power(self, base: Any, exponent: Any) -> Any:
-        e = self.symbol(exponent)
-        if isinstance(e, float) and e.is_integer() and abs(e) <= 64:
+        e = self.key(exponent)
+        if isinstance(e, float) and e.is_integer() and abs(e) <= _LARGEST_WHOLE_POWER:
             return self.whole_power(base, int(e))
-        b = self.symbol(base)
+        b = self.key(base)
         if isinstance(e, float):
             if isinstance(b, float):
                 return self.constant(math.pow, b, e)
@@ -234,8 +250,8 @@ class _Recorder:
             _refuse(f"the function '{name}' cannot be recorded; known: {', '.join(sorted(_FUNCTIONS))}")
         code, second, count = _FUNCTIONS[name]
         if len(arguments) != count:
-            _refuse(f"'{name}' takes {count} argument(s), {len(arguments)} were given")
-        slots = [self.symbol(argument) for argument in arguments]
+            _refuse(f"'{name}' takes {count} argument{'s' * (count > 1)}, {len(arguments)} given")
+        slots = [self.key(argument) for argument in arguments]
         if all(isinstance(slot, float) for slot in slots):
             return self.constant(getattr(math, name), *slots)
         return self.record(code, *slots, second=second)
@@ -246,31 +262,31 @@ class _Recorder:
             number = function(*arguments)
         except (ArithmeticError, ValueError):
             number = math.nan
-        if isinstance(number, complex) or not math.isfinite(number):
+        if not math.isfinite(number):
             name = getattr(function, "__name__", "operation")
             _refuse(f"{name}{arguments} gives a constant that is not finite")
         return number
 
-    def finish(self, states: tuple[str, ...], parameters: tuple[str, ...], outputs: Iterable[Any]) -> Tape:
+    def finish(self, states: tuple[str, ...], parameters: tuple[str, ...], keys: Sequence[Any]) -> Tape:
         """Lay out the slots, leaving out what no output needs."""
-        keys = [self.symbol(output) for output in outputs]
         needed = self.needed_rows(keys)
-        constants = dict.fromkeys(k for row in needed for k in self.rows[row][1:] if isinstance(k, float))
-        constants |= dict.fromkeys(k for k in keys if isinstance(k, float))
-        slot_of: dict[Any, int] = {("in", i): i for i in range(self.inputs)}
+        constants = dict.fromkeys(
+            _order(k) for row in needed for k in self.rows[row][1:] if isinstance(k, float)
+        )
+        constants |= dict.fromkeys(_order(k) for k in keys if isinstance(k, float))
+        slot_of: dict[Any, int] = {_order(("in", i)): i for i in range(self.inputs)}
         slot_of |= {constant: self.inputs + i for i, constant in enumerate(constants)}
         free = self.inputs + len(constants)
         operations = np.zeros((len(needed), 4), dtype=np.int64)
         for i, row in enumerate(needed):
             code, a, b = self.rows[row]
-            operations[i] = code, free, slot_of[a], slot_of[b if code in op.BINARY else a]
-            slot_of[("op", row, 0)], slot_of[("op", row, 1)] = free, free + 1
+            operations[i] = code, free, slot_of[_order(a)], slot_of[_order(b if code in op.BINARY else a)]
+            slot_of[_order(("op", row, 0))], slot_of[_order(("op", row, 1))] = free, free + 1
             free += 2 if code >= op.FIRST_WITH_TWO else 1
         template = np.zeros(free)
-        template[self.inputs : self.inputs + len(constants)] = list(constants)
-        return Tape(
-            states, parameters, operations, template, np.array([slot_of[k] for k in keys], dtype=np.int64)
-        )
+        template[self.inputs : self.inputs + len(constants)] = [number for _, number, _ in constants]
+        slots = np.array([slot_of[_order(k)] for k in keys], dtype=np.int64)
+        return Tape(states, parameters, operations, template, slots)
 
     def needed_rows(self, keys: Iterable[Any]) -> list[int]:
         stack = [key for key in keys if isinstance(key, tuple) and key[0] == "op"]
@@ -291,28 +307,48 @@ def trace(
     `rhs` returns one derivative for each state, in order, or a mapping from state names to them. Raises
     TraceError, naming the line of the right-hand side, for what cannot be recorded.
     """
-    states, parameters = tuple(states), tuple(parameters)
+    states, parameters = _names(states, "state"), _names(parameters, "parameter")
     recorder = _Recorder(len(states) + len(parameters))
     symbols = [Symbol(recorder, ("in", i)) for i in range(recorder.inputs)]
     x = Named(states, symbols[: len(states)], "state")
     p = Named(parameters, symbols[len(states) :], "parameter")
-    result = rhs(x, p)
+    try:
+        # NumPy numbers then refuse 1/0 and overflow as Python's do
+        with np.errstate(divide="raise", over="raise", invalid="raise"):
+            derivatives = _derivatives(rhs(x, p), states)
+    except RainwindError:
+        raise
+    except (ArithmeticError, LookupError, TypeError, ValueError) as error:
+        where = _line(_users_frame(error.__traceback__)) or _definition(rhs)
+        raise TraceError(f"rhs failed: {error}{where}") from error
+    where = _definition(rhs)
+    if len(derivatives) != len(states):
+        names = f"{len(states)} state{'s' * (len(states) != 1)} ({', '.join(states)})"
+        _refuse(f"rhs returned {len(derivatives)} derivatives for {names}", where)
+    return recorder.finish(states, parameters, [recorder.key(d, where) for d in derivatives])
+
+
+def _names(given: Iterable[str], kind: str) -> tuple[str, ...]:
+    if isinstance(given, str) or not all(isinstance(name, str) for name in given):
+        raise TraceError(f"{kind}s = {given!r} must be a list of names")
+    names = tuple(given)
+    if len(set(names)) < len(names):
+        raise TraceError(f"{kind}s = {', '.join(names)}: each name may come once")
+    return names
+
+
+def _derivatives(result: Any, states: tuple[str, ...]) -> tuple[Any, ...]:
+    """What a right-hand side returned, as one item for each state; a generator runs here."""
     if isinstance(result, Mapping):
         if set(result) != set(states):
-            raise TraceError(
-                f"rhs returned {', '.join(result)}; one derivative is needed for {', '.join(states)}"
-            )
-        result = [result[name] for name in states]
-    if isinstance(result, Symbol | int | float):
-        result = (result,)
-    if not isinstance(result, Iterable):
-        raise TraceError(f"rhs returned {type(result).__name__}; {len(states)} derivatives are needed")
-    result = tuple(result)
-    if len(result) != len(states):
-        raise TraceError(
-            f"rhs returned {len(result)} derivatives for {len(states)} states ({', '.join(states)})"
-        )
-    return recorder.finish(states, parameters, result)
+            given = ", ".join(map(str, result)) or "nothing"
+            raise ValueError(f"rhs returned derivatives of {given}; they are needed of {', '.join(states)}")
+        return tuple(result[name] for name in states)
+    if isinstance(result, Symbol | Real) or (isinstance(result, np.ndarray) and result.ndim == 0):
+        return (result,)
+    if isinstance(result, str | bytes) or not isinstance(result, Iterable):
+        raise ValueError(f"rhs returned {result!r}; derivatives of {', '.join(states)} are needed")
+    return tuple(result)
 
 
 def _order(key: Any) -> tuple:
@@ -320,16 +356,44 @@ def _order(key: Any) -> tuple:
     return (0, key, math.copysign(1.0, key)) if isinstance(key, float) else (1, *key)
 
 
+def _belongs_to_user(frame: FrameType) -> bool:
+    module = frame.f_globals.get("__name__", "")
+    return not any(module == name or module.startswith(name + ".") for name in _NOT_THE_USERS)
+
+
+def _users_frame(traceback: TracebackType | None) -> tuple[int, str] | None:
+    """Line and file of the innermost frame of an error that is the user's."""
+    found = None
+    while traceback is not None:
+        if _belongs_to_user(traceback.tb_frame):
+            found = traceback.tb_lineno, traceback.tb_frame.f_code.co_filename
+        traceback = traceback.tb_next
+    return found
+
+
+def _line(place: tuple[int, str] | None) -> str:
+    return "" if place is None else f" (line {place[0]} of {place[1]})"
+
+
 def _where() -> str:
     """The line of the user's code that is being traced."""
-    frame = sys._getframe(1)
-    while frame is not None and frame.f_code.co_filename in _OURS:
+    frame: FrameType | None = sys._getframe(1)
+    while frame is not None and not _belongs_to_user(frame):
         frame = frame.f_back
-    return "" if frame is None else f" (line {frame.f_lineno} of {frame.f_code.co_filename})"
+    return _line(None if frame is None else (frame.f_lineno, frame.f_code.co_filename))
 
 
-def _refuse(message: str) -> NoReturn:
-    raise TraceError(message + _where())
+def _definition(rhs: Any) -> str:
+    """Where a right-hand side is defined, for what shows only after it has returned."""
+    for function in (rhs, getattr(rhs, "func", None), rhs.__call__):
+        code = getattr(function, "__code__", None)
+        if code is not None:
+            return _line((code.co_firstlineno, code.co_filename))
+    return ""
+
+
+def _refuse(message: str, where: str | None = None) -> NoReturn:
+    raise TraceError(message + (_where() if where is None else where))
 
 
 _NUMERIC = {
@@ -356,6 +420,10 @@ _FUNCTIONS = {
     "erf": (op.ERF, False, 1),
 }
 _UFUNC_NAMES = {"arcsin": "asin", "arccos": "acos", "arctan": "atan", "arctan2": "atan2"}
+_UFUNC_BRANCHES = frozenset({
+    "absolute", "equal", "fabs", "fmax", "fmin", "greater", "greater_equal", "less", "less_equal", "maximum",
+    "minimum", "not_equal", "sign",
+})  # fmt: skip
 _UFUNC_OPERATORS = {
     "add": lambda r, a, b: r.binary(op.ADD, a, b),
     "subtract": lambda r, a, b: r.binary(op.SUB, a, b),

@@ -1,7 +1,8 @@
 """Taylor jets of a tape: the coefficients of t^0 ... t^K of f along a curve given by its own coefficients.
 
 Each operation has a recurrence for its k-th coefficient from lower ones (Griewank & Walther, Evaluating
-Derivatives, ch. 13). Directional derivatives of any order follow: D^k f[v, ..., v] = k! c_k on the line x + t v.
+Derivatives, ch. 13). Directional derivatives of any order follow: D^k f[v, ..., v] = k! c_k on the line
+x + t v.
 """
 
 import numpy as np
