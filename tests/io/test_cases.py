@@ -137,7 +137,11 @@ FAULTS = {
     "wrong unit in text": ("diameter_mm", 'diameter = "3 kg"', ["diameter = '3 kg'", "no unit of a length"]),
     "text with no unit": ("yaw_deg", 'yaw = "45"', ["has no unit", '"45 deg"']),
     "units of the paper": ("k2_y_N_m3", "k2_y_N_m2 = 1", ["no unit of a quadratic stiffness", "k2_y_N_m3"]),
-    "text for a number": ("speed_m_s", 'speed_m_s = "fast"', ["speed_m_s = 'fast' is text, not a number"]),
+    "text for a number": (
+        "speed_m_s",
+        'speed_m_s = "fast"',
+        ["speed_m_s = 'fast' is text, not a number", 'speed = "9 m/s"'],
+    ),
     "true for a number": ("speed_m_s", "speed_m_s = true", ["is true or false, not a number"]),
     "list for a number": ("speed_m_s", "speed_m_s = [1, 2]", ["is a list, not a number"]),
     "nan": ("speed_m_s", "speed_m_s = nan", ["speed_m_s = nan is not a finite number"]),
@@ -185,8 +189,19 @@ FAULTS = {
     "key outside a table": (
         "schema",
         "schema = 1\nspeed_m_s = 9",
-        ["unknown key 'speed_m_s'", "tables allowed"],
+        ["unknown key 'speed_m_s'; it belongs in [wind]"],
     ),
+    "unknown key outside a table": (
+        "schema",
+        "schema = 1\ncolour = 9",
+        ["unknown key 'colour'; tables allowed: wind"],
+    ),
+    "option elsewhere": (
+        "angle",
+        'outside = "blend"',
+        ["'outside' in [model]; it belongs in [coefficients]"],
+    ),
+    "date for a number": ("speed_m_s", "speed_m_s = 2020-01-01", ["is a date or time, not a number"]),
 }
 
 

@@ -1,16 +1,14 @@
 """Case files in: a TOML text becomes a RivuletModel, or one error that lists every fault."""
 
 import tomllib
-from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 from rainwind.errors import CaseError, InputError
+from rainwind.io.case_keys import Given, check_top, read_table
 from rainwind.io.faults import Faults
 from rainwind.io.lines import key_lines
-from rainwind.io.schema import NUMBERS, OPTIONS, SCHEMA, TABLES, Number
-from rainwind.io.units import from_text, number, to_si
+from rainwind.io.schema import NUMBERS, TABLES, Number
 from rainwind.physics.coefficient_files import load_coefficients, shipped_sets
 from rainwind.physics.coefficients import CoefficientSet
 from rainwind.physics.model import RivuletModel
@@ -44,8 +42,8 @@ def model_from_text(text: str, name: str = "case", folder: Path | None = None) -
     except tomllib.TOMLDecodeError as error:
         raise CaseError(f"{name}: not a TOML file: {error}; correct it there") from error
     faults = Faults(name, key_lines(text))
-    _check_top(content, faults)
-    values = {table: _read_table(table, content.get(table, {}), faults) for table in TABLES}
+    check_top(content, faults)
+    values = {table: read_table(table, content.get(table, {}), faults) for table in TABLES}
     records = {table: _record(table, values[table], faults) for table in _RECORDS}
     coefficients = _coefficients(values["coefficients"], folder or Path(), faults)
     choices = _choices(values, faults)
@@ -75,96 +73,7 @@ def _text_of(path: Path) -> str:
         raise CaseError(f"{path}: cannot be read ({reason}); check its name and permissions") from error
 
 
-def _check_top(content: dict[str, Any], faults: Faults) -> None:
-    given = content.get("schema")
-    if given is None:
-        faults.add(f"no 'schema'; write schema = {SCHEMA} above the first table")
-    elif given != SCHEMA or isinstance(given, bool | float):
-        faults.add(f"schema = {given!r} is not known; this version reads schema = {SCHEMA}", "schema")
-    for key, value in content.items():
-        if key == "schema":
-            continue
-        if key not in TABLES:
-            faults.add(f"unknown {_what(value)} '{key}'; {_nearest(key, TABLES, 'tables')}", key)
-        elif not isinstance(value, dict):
-            faults.add(f"'{key}' is no table; write [{key}] and its keys on the lines below", key)
-
-
-def _what(value: Any) -> str:
-    return "table" if isinstance(value, dict) else "key"
-
-
-def _nearest(given: str, allowed: Any, kind: str) -> str:
-    near = get_close_matches(given, list(allowed), n=1, cutoff=0.5)
-    return f"did you mean '{near[0]}'?" if near else f"{kind} allowed: {', '.join(allowed)}"
-
-
-@dataclass(frozen=True)
-class _Given:
-    """A value of the file: the key that gave it, as written there, and in SI."""
-
-    key: str
-    raw: Any
-    value: Any
-
-
-def _read_table(table: str, content: Any, faults: Faults) -> dict[str, _Given]:
-    """Name without unit -> what was given, of one table; faulty values are left out."""
-    numbers = {item.name: item for item in NUMBERS if item.table == table}
-    options = {item.name for item in OPTIONS if item.table == table}
-    values: dict[str, _Given] = {}
-    keys: dict[str, str] = {}  # name -> the key that gave it; a key with a faulty value counts
-    for key, value in content.items() if isinstance(content, dict) else ():
-        if key in options:
-            values[key] = _Given(key, value, value)
-            continue
-        name = max((n for n in numbers if key == n or key.startswith(f"{n}_")), key=len, default=None)
-        if name is None:
-            faults.add(f"unknown key '{key}' in [{table}]; {_advice(table, key)}", table, key)
-        elif name in keys:
-            faults.add(f"{key} and {keys[name]} both give the {name}; keep one of them", table, key)
-        else:
-            keys[name] = key
-            try:
-                values[name] = _Given(key, value, _number(numbers[name], key, value))
-            except InputError as error:
-                faults.add(str(error), table, key)
-    for name, item in numbers.items():
-        if item.required and name not in keys and not (item.parts and set(item.parts) <= set(keys)):
-            faults.add(f"[{table}] has no {name}; add for example {_example(item)}", table)
-    return values
-
-
-def _number(item: Number, key: str, value: Any) -> float:
-    suffix = key[len(item.name) + 1 :]
-    allowed = " or ".join(item.kind.keys(item.name))
-    try:
-        if suffix and suffix not in item.kind.suffixes:
-            raise InputError(f"has the unit '{suffix}', which is no unit of {item.kind}; write {allowed}")
-        if not suffix and isinstance(value, str):
-            return from_text(value, item.kind)
-        result = number(value)
-        if not suffix:
-            raise InputError(f'has no unit; write {allowed}, or {key} = "{item.kind.example}"')
-        return to_si(result, item.kind, suffix)
-    except InputError as error:
-        raise InputError(f"{key} = {value!r} {error}") from error
-
-
-def _example(item: Number) -> str:
-    return f'{item.name} = "{item.kind.example}" or {item.kind.keys(item.name)[0]} = ...'
-
-
-def _advice(table: str, key: str) -> str:
-    for item in NUMBERS:
-        if item.table != table and key in (item.name, *item.kind.keys(item.name)):
-            return f"it belongs in [{item.table}]"
-    keys = [item.kind.keys(item.name)[0] for item in NUMBERS if item.table == table]
-    keys += [item.name for item in OPTIONS if item.table == table]
-    return _nearest(key, keys, "keys")
-
-
-def _record(table: str, values: dict[str, _Given], faults: Faults) -> Any:
+def _record(table: str, values: dict[str, Given], faults: Faults) -> Any:
     """The table's dataclass; each value is tried alone first, so that its fault is found at its line."""
     numbers = {item.name: item for item in NUMBERS if item.table == table}
     sample = {item.field: item.sample for item in numbers.values() if item.required}
@@ -192,7 +101,7 @@ def _record(table: str, values: dict[str, _Given], faults: Faults) -> Any:
         return None
 
 
-def _refusal(item: Number, given: _Given, error: InputError) -> str:
+def _refusal(item: Number, given: Given, error: InputError) -> str:
     if item.allowed:
         return (
             f"{given.key} = {given.raw!r} is {given.value:g} rad; allowed is {item.allowed}; "
@@ -213,7 +122,7 @@ def _fields(table: str, values: dict[str, Any]) -> dict[str, Any]:
     return fields
 
 
-def _coefficients(values: dict[str, _Given], folder: Path, faults: Faults) -> CoefficientSet | None:
+def _coefficients(values: dict[str, Given], folder: Path, faults: Faults) -> CoefficientSet | None:
     """The coefficient set, with another set's moment where the case says so; None after a fault."""
     chosen = _load("set", values["set"].value if "set" in values else _DEFAULT_SET, folder, faults)
     if "moment_of" not in values:
@@ -245,7 +154,7 @@ def _load(key: str, given: Any, folder: Path, faults: Faults) -> CoefficientSet 
         return None
 
 
-def _choices(values: dict[str, dict[str, _Given]], faults: Faults) -> dict[str, Any]:
+def _choices(values: dict[str, dict[str, Given]], faults: Faults) -> dict[str, Any]:
     """The model's options; each is tried alone, so that its fault is found at its line."""
     choices = {name: given.value for name, given in values["model"].items()}
     if "outside" in values["coefficients"]:

@@ -77,8 +77,10 @@ def number(value: Any) -> float:
     Raises InputError for text, true or false, a list, NaN and infinity.
     """
     if isinstance(value, bool) or not isinstance(value, int | float):
-        kind = {bool: "true or false", str: "text", list: "a list", dict: "a table"}.get(type(value))
-        raise InputError(f"is {kind or type(value).__name__}, not a number; write a plain number such as 0.5")
+        kinds = {bool: "true or false", str: "text", list: "a list", dict: "a table"}
+        raise InputError(
+            f"is {kinds.get(type(value), 'a date or time')}, not a number; write a plain number such as 0.5"
+        )
     try:
         result = float(value)
     except OverflowError:
