@@ -73,10 +73,9 @@ class RivuletModel:
     @property
     def structure(self) -> Hashable:
         """Everything that `rhs` depends on besides x and p; equal keys mean equal right-hand sides."""
-        own_ratios = (self.section.damping_ratio_y is not None, self.section.damping_ratio_z is not None)
         return (
             "RivuletModel", self.coefficients, self.outside, self.degrees_of_freedom, self.angle,
-            self.relative_speed, own_ratios,
+            self.relative_speed, self._own_ratios,
         )  # fmt: skip
 
     @property
@@ -157,6 +156,11 @@ class RivuletModel:
             f"'{self.coefficients.name}' is valid ({self.coefficients.source}); choose another "
             "coefficient set, or outside='blend' or 'extend'"
         )
+
+    @property
+    def _own_ratios(self) -> tuple[bool, bool]:
+        """Whether y and z have damping ratios of their own."""
+        return self.section.damping_ratio_y is not None, self.section.damping_ratio_z is not None
 
     def _merged(self, parameters: Mapping[str, float] | None) -> dict[str, float]:
         merged = self.parameters

@@ -1,0 +1,66 @@
+"""Without wind, the energy of cable and rivulet falls by friction alone."""
+
+from math import pi
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rainwind.physics import CableSection, Rivulet, RivuletModel, Wind, load_coefficients
+
+
+def still_air(degrees_of_freedom):
+    section = CableSection(
+        mass=30.0, frequency_z=1.3, damping_ratio_y=0.01, k2_y=40.0, k3_y=300.0, k2_z=-60.0, k3_z=200.0
+    )
+    return RivuletModel(
+        Wind(9.0, yaw=0.7, density=0.0),
+        section,
+        Rivulet(mass=0.8, friction=0.09),
+        load_coefficients("reconstructed"),
+        degrees_of_freedom=degrees_of_freedom,
+    )
+
+
+MODELS = {n: still_air(n) for n in (2, 3)}
+
+
+def energy_gradient(model, x, h=1e-6):
+    """T + V by its definition, and its derivatives by central differences."""
+    s, m_r = model.section, model.rivulet.mass
+    r = (s.diameter + model.rivulet.height) / 2
+    beta = np.arctan(np.tan(model.wind.yaw) * np.sin(s.inclination))
+    k_y, k_z = (s.mass * (2 * pi * f) ** 2 for f in (s.frequency_y, s.frequency_z))
+
+    def energy(state):
+        y, phi, z, y_dot, phi_dot, z_dot = state
+        rivulet_y, rivulet_z = y_dot + r * np.sin(phi) * phi_dot, z_dot - r * np.cos(phi) * phi_dot
+        kinetic = s.mass * (y_dot**2 + z_dot**2) / 2 + m_r * (rivulet_y**2 + rivulet_z**2) / 2
+        springs = k_y * y**2 / 2 + s.k2_y * y**3 / 3 + s.k3_y * y**4 / 4
+        springs += k_z * z**2 / 2 + s.k2_z * z**3 / 3 + s.k3_z * z**4 / 4
+        return kinetic + springs + m_r * 9.81 * np.cos(s.inclination) * r * np.cos(phi + beta)
+
+    return np.array([(energy(x + h * e) - energy(x - h * e)) / (2 * h) for e in np.eye(6)])
+
+
+limits = (0.5, 7.0, 0.5, 3.0, 10.0, 3.0)
+
+
+@given(st.tuples(*(st.floats(-limit, limit) for limit in limits)))
+def test_power_of_three_degrees_of_freedom(state):
+    model, x = MODELS[3], np.array(state)
+    power = energy_gradient(model, x) @ np.array(model.rhs(x, model.parameters))
+    d_y, d_z = (2 * xi * 30.0 * 2 * pi * f for xi, f in ((0.01, 1.0), (0.002, 1.3)))
+    lost = d_y * x[3] ** 2 + d_z * x[5] ** 2 + 0.09 * x[4] ** 2
+    assert power == pytest.approx(-lost, rel=1e-6, abs=1e-5)
+
+
+@given(st.tuples(*(st.floats(-limit, limit) for limit in limits)))
+def test_power_of_two_degrees_of_freedom(state):
+    model, x = MODELS[2], np.array(state)
+    x[[2, 5]] = 0.0
+    rates = np.array(model.rhs(x[[0, 1, 3, 4]], model.parameters))
+    gradient = energy_gradient(model, x)[[0, 1, 3, 4]]
+    lost = 2 * 0.01 * 30.0 * 2 * pi * x[3] ** 2 + 0.09 * x[4] ** 2
+    assert gradient @ rates == pytest.approx(-lost, rel=1e-6, abs=1e-5)
