@@ -21,7 +21,7 @@ def parameter_values(record: Any) -> dict[str, float]:
         value = getattr(record, field.name)
         if is_dataclass(value):
             values |= {f"{field.name}.{name}": inner for name, inner in parameter_values(value).items()}
-        elif isinstance(value, int | float) and not isinstance(value, bool):
+        elif _is_number(value):
             values[field.name] = float(value)
     return values
 
@@ -29,26 +29,42 @@ def parameter_values(record: Any) -> dict[str, float]:
 def replace_parameters(record: Any, changes: Mapping[str, float]) -> Any:
     """A copy of a nested frozen dataclass with the parameters named in `changes` replaced.
 
-    Raises InputError for a name that `record` does not have; the dataclasses check the values.
+    A field that is None may be given a number. Raises InputError for a name that `record` does not have; the
+    dataclasses check the values.
     """
-    grouped: dict[str, Any] = {}
+    for name in changes:
+        if not _may_be_replaced(record, name):
+            raise unknown_name(name, parameter_values(record), "parameter")
+    return _replaced(record, changes)
+
+
+def _may_be_replaced(record: Any, name: str) -> bool:
+    head, dot, rest = name.partition(".")
+    for field in fields(record):
+        if field.name == head and field.metadata.get("parameters", True):
+            value = getattr(record, head)
+            if is_dataclass(value):
+                return bool(dot) and _may_be_replaced(value, rest)
+            return not dot and (
+                value is None or (isinstance(value, int | float) and not isinstance(value, bool))
+            )
+    return False
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _replaced(record: Any, changes: Mapping[str, float]) -> Any:
+    own: dict[str, Any] = {}
+    inner: dict[str, dict[str, float]] = {}
     for name, value in changes.items():
         head, _, rest = name.partition(".")
-        if head not in {field.name for field in fields(record)} or not (
-            is_dataclass(getattr(record, head)) if rest else not is_dataclass(getattr(record, head))
-        ):
-            raise unknown_name(name, parameter_values(record), "parameter")
         if rest:
-            grouped.setdefault(head, {})[rest] = value
+            inner.setdefault(head, {})[rest] = value
         else:
-            grouped[head] = value
-    return replace(
-        record,
-        **{
-            head: replace_parameters(getattr(record, head), value) if isinstance(value, dict) else value
-            for head, value in grouped.items()
-        },
-    )
+            own[head] = value
+    return replace(record, **own, **{head: _replaced(getattr(record, head), v) for head, v in inner.items()})
 
 
 def unknown_name(name: str, known: Any, kind: str) -> InputError:

@@ -57,10 +57,11 @@ def test_expressions_are_the_formulas_they_say():
 @pytest.mark.parametrize(
     "text",
     [
-        "__import__('os').system('true')", "alpha.real", "(lambda: 1)()", "[alpha][0]", "beta", "alpha if alpha else 1",
-        "sin(alpha, 1)", "atan2(alpha)", "sin(x=alpha)", "alpha**alpha", "alpha**0.5", "alpha**99", "9**(9**9)", "open(alpha)",
-        "abs(alpha)", "alpha // 2", "alpha % 2", "alpha < 1", "'text'", "True", "1j", "", "sin(", "1" * 2000, "alpha**True",
-        "1" + "0" * 400,
+        "__import__('os').system('true')", "alpha.real", "(lambda: 1)()", "[alpha][0]", "beta", "open(alpha)",
+        "alpha if alpha else 1", "sin(alpha, 1)", "atan2(alpha)", "sin(x=alpha)", "alpha**alpha",
+        "alpha**0.5", "alpha**99",
+        "9**(9**9)", "abs(alpha)", "alpha // 2", "alpha % 2", "alpha < 1", "'text'",
+        "True", "1j", "", "sin(", "1" * 2000, "alpha**True", "1" + "0" * 400,
     ],
 )  # fmt: skip
 def test_anything_else_is_refused_and_never_run(text):
@@ -68,12 +69,10 @@ def test_anything_else_is_refused_and_never_run(text):
         Expression(text)
 
 
-def test_deeply_nested_expressions_are_refused_or_evaluated_but_never_crash():
+def test_deeply_nested_expressions_are_refused():
     text = "(" * 450 + "alpha" + ")" * 450
-    try:
-        assert Expression(text)(1.0) == 1.0
-    except InputError as error:
-        assert "not a formula" in str(error)
+    with pytest.raises(InputError, match="not a formula"):
+        Expression(text)
 
 
 def test_a_set_takes_every_form_of_curve():

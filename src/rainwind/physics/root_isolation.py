@@ -93,7 +93,13 @@ def polished_root(function: Callable[[float], Any], bracket: Bracket) -> float:
     at_low, at_high = float(function(low)), float(function(high))
     if at_low * at_high >= 0:
         return low if abs(at_low) <= abs(at_high) else high
-    return float(brentq(function, low, high, xtol=1e-300, rtol=4 * np.finfo(float).eps, maxiter=200))  # type: ignore[arg-type]
+    # a root at zero has no relative accuracy: hence the absolute one
+    smallest = 1e-25 * max(abs(low), abs(high))
+    rounding = 4 * np.finfo(float).eps
+    root, _ = brentq(
+        function, low, high, xtol=smallest, rtol=rounding, maxiter=1000, full_output=True, disp=False
+    )
+    return float(root)
 
 
 def _sharp(function: Callable[[Box], Box], edges: np.ndarray) -> Box:
