@@ -10,98 +10,123 @@ from numba import njit
 
 from rainwind.dynamics.kernels import opcodes as op
 from rainwind.dynamics.kernels.operations import operate
+from rainwind.dynamics.kernels.values import moving
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _product(x, y, k, first):
-    """Sum of x[j] y[k - j] for j = first ... k - first."""
+def _product(slots, x, y, k, first):
+    """Sum of x_j y_(k-j) for j = first ... k - first, of the coefficients of slots x and y."""
     total = 0.0
     for j in range(first, k - first + 1):
-        total += x[j] * y[k - j]
+        total += slots[x, j] * slots[y, k - j]
     return total
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _driven(x, y, k, last):
-    """Sum of j x[j] y[k - j] for j = 1 ... last, over k: the recurrence of z' = x' y."""
+def _driven(slots, x, y, k, last):
+    """Sum of j x_j y_(k-j) for j = 1 ... last, over k: the recurrence of z' = x' y."""
     total = 0.0
     for j in range(1, last + 1):
-        total += j * x[j] * y[k - j]
+        total += j * slots[x, j] * slots[y, k - j]
     return total / k
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def coefficient(code, a, b, z, s, k):
-    """Coefficient k >= 1 of an operation's value z and second value s, from coefficients of a, b up to k."""
+def _coefficient(code, c, a, b, z, k):
+    """Fill coefficient k >= 1 of an operation's slot z, and of z + 1 = s where it has two.
+
+    c (S, K + 1) holds the coefficients of all slots; those of the arguments a, b are there up to k. Rows are
+    reached by number, since a view of a row costs more than the arithmetic on it.
+    """
+    s = z + 1
     if code == op.ADD:
-        z[k] = a[k] + b[k]
+        c[z, k] = c[a, k] + c[b, k]
     elif code == op.SUB:
-        z[k] = a[k] - b[k]
+        c[z, k] = c[a, k] - c[b, k]
     elif code == op.MUL:
-        z[k] = _product(a, b, k, 0)
+        c[z, k] = _product(c, a, b, k, 0)
     elif code == op.NEG:
-        z[k] = -a[k]
+        c[z, k] = -c[a, k]
     elif code == op.DIV:
-        total = a[k]
+        total = c[a, k]
         for j in range(k):
-            total -= z[j] * b[k - j]
-        z[k] = total / b[0]
+            total -= c[z, j] * c[b, k - j]
+        c[z, k] = total / c[b, 0]
     elif code == op.POWER:
         total = 0.0
         for j in range(1, k + 1):
-            total += (b[0] * j - (k - j)) * a[j] * z[k - j]
-        z[k] = total / (k * a[0])
+            total += (c[b, 0] * j - (k - j)) * c[a, j] * c[z, k - j]
+        c[z, k] = total / (k * c[a, 0])
     elif code == op.SQRT:
-        z[k] = (a[k] - _product(z, z, k, 1)) / (2.0 * z[0])
+        c[z, k] = (c[a, k] - _product(c, z, z, k, 1)) / (2.0 * c[z, 0])
     elif code == op.EXP:
-        z[k] = _driven(a, z, k, k)
+        c[z, k] = _driven(c, a, z, k, k)
     elif code == op.LOG:
-        z[k] = (a[k] - _driven(z, a, k, k - 1)) / a[0]
+        c[z, k] = (c[a, k] - _driven(c, z, a, k, k - 1)) / c[a, 0]
     elif code == op.SINCOS:
-        z[k] = _driven(a, s, k, k)
-        s[k] = -_driven(a, z, k, k)
+        c[z, k] = _driven(c, a, s, k, k)
+        c[s, k] = -_driven(c, a, z, k, k)
     elif code == op.SINHCOSH:
-        z[k] = _driven(a, s, k, k)
-        s[k] = _driven(a, z, k, k)
+        c[z, k] = _driven(c, a, s, k, k)
+        c[s, k] = _driven(c, a, z, k, k)
     elif code == op.TAN:
-        z[k] = _driven(a, s, k, k)
-        s[k] = _product(z, z, k, 0)
+        c[z, k] = _driven(c, a, s, k, k)
+        c[s, k] = _product(c, z, z, k, 0)
     elif code == op.TANH:
-        z[k] = _driven(a, s, k, k)
-        s[k] = -_product(z, z, k, 0)
+        c[z, k] = _driven(c, a, s, k, k)
+        c[s, k] = -_product(c, z, z, k, 0)
     elif code == op.ATAN:
-        s[k] = _product(a, a, k, 0)
-        z[k] = (a[k] - _driven(z, s, k, k - 1)) / s[0]
+        c[s, k] = _product(c, a, a, k, 0)
+        c[z, k] = (c[a, k] - _driven(c, z, s, k, k - 1)) / c[s, 0]
     elif code == op.ASIN or code == op.ACOS:
         # s^2 = 1 - a^2, s z' = a' (asin) or -a' (acos)
-        s[k] = (-_product(a, a, k, 0) - _product(s, s, k, 1)) / (2.0 * s[0])
+        c[s, k] = (-_product(c, a, a, k, 0) - _product(c, s, s, k, 1)) / (2.0 * c[s, 0])
         sign = 1.0 if code == op.ASIN else -1.0
-        z[k] = (sign * a[k] - _driven(z, s, k, k - 1)) / s[0]
+        c[z, k] = (sign * c[a, k] - _driven(c, z, s, k, k - 1)) / c[s, 0]
     elif code == op.ERF:
         # s' = -2 a a' s, z' = a' s
         total = 0.0
         for j in range(1, k + 1):
-            total -= j * _product(a, a, j, 0) * s[k - j]
-        s[k] = total / k
-        z[k] = _driven(a, s, k, k)
+            total -= j * _product(c, a, a, j, 0) * c[s, k - j]
+        c[s, k] = total / k
+        c[z, k] = _driven(c, a, s, k, k)
     else:  # ATAN2: (a^2 + b^2) z' = b a' - a b'
-        s[k] = _product(a, a, k, 0) + _product(b, b, k, 0)
-        z[k] = (_driven(a, b, k, k) - _driven(b, a, k, k) - _driven(z, s, k, k - 1)) / s[0]
+        c[s, k] = _product(c, a, a, k, 0) + _product(c, b, b, k, 0)
+        c[z, k] = (_driven(c, a, b, k, k) - _driven(c, b, a, k, k) - _driven(c, z, s, k, k - 1)) / c[s, 0]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _values(operations, slots):
+    """Fill coefficient 0 of all operations."""
+    for i in range(operations.shape[0]):
+        code, z = operations[i, 0], operations[i, 1]
+        value, second = operate(code, slots[operations[i, 2], 0], slots[operations[i, 3], 0])
+        slots[z, 0] = value
+        if code >= op.FIRST_WITH_TWO:
+            slots[z + 1, 0] = second
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _higher(operations, rows, slots):
+    """Fill coefficients 1 ... K of the operations numbered in `rows`; coefficient 0 is there already."""
+    for row in rows:
+        code, z, a, b = operations[row, 0], operations[row, 1], operations[row, 2], operations[row, 3]
+        for k in range(1, slots.shape[1]):
+            _coefficient(code, slots, a, b, z, k)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def run_jets(operations, slots):
     """Fill slots (S, K + 1) of all operations; the rows of inputs and constants are there already."""
-    for i in range(operations.shape[0]):
-        code, iz = operations[i, 0], operations[i, 1]
-        a, b, z = slots[operations[i, 2]], slots[operations[i, 3]], slots[iz]
-        s = slots[iz + 1] if code >= op.FIRST_WITH_TWO else z
-        value, second = operate(code, a[0], b[0])
-        z[0] = value
-        if code >= op.FIRST_WITH_TWO:
-            s[0] = second
+    _values(operations, slots)
+    moves = np.zeros(slots.shape[0], dtype=np.bool_)
+    given = operations[0, 1] if operations.shape[0] else slots.shape[0]
+    for slot in range(slots.shape[0]):
+        if slot >= given:
+            slots[slot, 1:] = 0.0
         for k in range(1, slots.shape[1]):
-            coefficient(code, a, b, z, s, k)
+            moves[slot] |= slots[slot, k] != 0.0
+    _higher(operations, moving(operations, moves), slots)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -110,13 +135,20 @@ def directional(operations, template, outputs, inputs, vectors, order):
     slots = np.zeros((template.size, order + 1))
     slots[:, 0] = template
     slots[: inputs.size, 0] = inputs
+    _values(operations, slots)
+    moves = np.zeros(template.size, dtype=np.bool_)
+    for row in range(vectors.shape[0]):
+        for i in range(inputs.size):
+            moves[i] |= vectors[row, i] != 0.0
+    rows = moving(operations, moves)
     factorial = 1.0
     for k in range(2, order + 1):
         factorial *= k
     result = np.empty((vectors.shape[0], outputs.size))
     for row in range(vectors.shape[0]):
-        slots[: inputs.size, 1] = vectors[row]
-        run_jets(operations, slots)
+        if order:
+            slots[: inputs.size, 1] = vectors[row]
+        _higher(operations, rows, slots)
         for j in range(outputs.size):
             result[row, j] = factorial * slots[outputs[j], order]
     return result

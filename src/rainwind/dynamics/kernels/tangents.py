@@ -9,6 +9,7 @@ from numba import njit
 
 from rainwind.dynamics.kernels import opcodes as op
 from rainwind.dynamics.kernels.operations import operate, partials, second_partials
+from rainwind.dynamics.kernels.values import FEW, LANES, lanes_of, moving, run_lanes, varying
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -16,7 +17,8 @@ def first_order(operations, slots, tangents, active):
     """Run a tape with tangents.
 
     slots (S,) with inputs and constants filled in; tangents (S, m) and active (S,) bool with the rows of the
-    inputs filled in. A slot is active when some tangent of it may differ from zero; rows of others are not read.
+    inputs filled in. A slot is active when some tangent of it may differ from zero; rows of others are not
+    read.
     """
     m = tangents.shape[1]
     for i in range(operations.shape[0]):
@@ -59,14 +61,18 @@ def jacobians(operations, template, outputs, inputs, directions):
     inputs (N, states + parameters), directions (m,) -> values (N, n), derivatives (N, n, m).
     """
     points, m, n = inputs.shape[0], directions.size, outputs.size
+    values = np.empty((points, n))
+    derivatives = np.zeros((points, n, m))
+    if points >= FEW:
+        _jacobians_in_lanes(operations, template, outputs, inputs, directions, values, derivatives)
+        return values, derivatives
     slots = template.copy()
-    tangents = np.zeros((template.size, m))
+    tangents = np.empty((template.size, m))
+    tangents[: inputs.shape[1]] = 0.0
     active = np.zeros(template.size, dtype=np.bool_)
     for k in range(m):
         tangents[directions[k], k] = 1.0
         active[directions[k]] = True
-    values = np.empty((points, n))
-    derivatives = np.zeros((points, n, m))
     for point in range(points):
         slots[: inputs.shape[1]] = inputs[point]
         first_order(operations, slots, tangents, active)
@@ -76,6 +82,111 @@ def jacobians(operations, template, outputs, inputs, directions):
                 for k in range(m):
                     derivatives[point, j, k] = tangents[outputs[j], k]
     return values, derivatives
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _steps(operations, rows, size, directions):
+    """Which tangents differ from zero, and how each follows from others.
+
+    A tangent is a slot along a direction. Returns steps (count, 4), each a tangent, its two sources (-1:
+    none) and whether it is of an operation's second slot; begin, so that steps[begin[i] : begin[i + 1]]
+    belong to the operation rows[i]; tangent (S, m), the number of each tangent or -1; the number of all.
+    """
+    m = directions.size
+    tangent = np.full((size, m), -1)
+    for k in range(m):
+        tangent[directions[k], k] = k
+    steps = np.empty((2 * m * rows.size, 4), dtype=np.int64)
+    begin = np.zeros(rows.size + 1, dtype=np.int64)
+    count = 0
+    for i in range(rows.size):
+        row = rows[i]
+        code, z, ia, ib = operations[row, 0], operations[row, 1], operations[row, 2], operations[row, 3]
+        for k in range(m):
+            a = tangent[ia, k]
+            b = tangent[ib, k] if code <= op.DIV or code == op.ATAN2 else -1
+            if a < 0 and b < 0:
+                continue
+            tangent[z, k] = m + count
+            steps[count, 0], steps[count, 1], steps[count, 2], steps[count, 3] = m + count, a, b, 0
+            count += 1
+            if op.FIRST_WITH_TWO <= code <= op.SINHCOSH:
+                tangent[z + 1, k] = m + count
+                steps[count, 0], steps[count, 1], steps[count, 2], steps[count, 3] = m + count, a, -1, 1
+                count += 1
+        begin[i + 1] = count
+    return steps[:count], begin, tangent, m + count
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _each(code, lanes, z, a, b, factors, count):
+    for lane in range(count):
+        second = lanes[z + 1, lane] if code >= op.FIRST_WITH_TWO else 0.0
+        fa, fb, ga = partials(code, lanes[a, lane], lanes[b, lane], lanes[z, lane], second)
+        factors[0, lane], factors[1, lane], factors[2, lane] = fa, fb, ga
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _partials_in_lanes(code, lanes, z, a, b, factors, count):
+    if code == op.ADD:
+        _each(op.ADD, lanes, z, a, b, factors, count)
+    elif code == op.SUB:
+        _each(op.SUB, lanes, z, a, b, factors, count)
+    elif code == op.MUL:
+        _each(op.MUL, lanes, z, a, b, factors, count)
+    elif code == op.DIV:
+        _each(op.DIV, lanes, z, a, b, factors, count)
+    else:
+        _each(code, lanes, z, a, b, factors, count)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _jacobians_in_lanes(operations, template, outputs, inputs, directions, values, derivatives):
+    """Fill values and derivatives block by block, as `values` does, along the tangents that are not zero."""
+    points, m, n = derivatives.shape[0], directions.size, outputs.size
+    moves = varying(inputs, template.size)
+    for k in range(m):
+        moves[directions[k]] = True
+    rows = moving(operations, moves)
+    steps, begin, tangent, used = _steps(operations, rows, template.size, directions)
+    lanes = lanes_of(operations, template, inputs[0])
+    tangents = np.ones((used, LANES))
+    factors = np.empty((3, LANES))
+    for start in range(0, points, LANES):
+        count = min(LANES, points - start)
+        for i in range(inputs.shape[1]):
+            for lane in range(count):
+                lanes[i, lane] = inputs[start + lane, i]
+        for i in range(rows.size):
+            row = rows[i]
+            code, z, a, b = operations[row, 0], operations[row, 1], operations[row, 2], operations[row, 3]
+            run_lanes(code, lanes, z, a, b, count)
+            if begin[i] == begin[i + 1]:
+                continue
+            _partials_in_lanes(code, lanes, z, a, b, factors, count)
+            for step in range(begin[i], begin[i + 1]):
+                t, ta, tb = steps[step, 0], steps[step, 1], steps[step, 2]
+                if steps[step, 3]:
+                    for lane in range(count):
+                        tangents[t, lane] = factors[2, lane] * tangents[ta, lane]
+                elif tb < 0:
+                    for lane in range(count):
+                        tangents[t, lane] = factors[0, lane] * tangents[ta, lane]
+                elif ta < 0:
+                    for lane in range(count):
+                        tangents[t, lane] = factors[1, lane] * tangents[tb, lane]
+                else:
+                    for lane in range(count):
+                        along_a = factors[0, lane] * tangents[ta, lane]
+                        tangents[t, lane] = along_a + factors[1, lane] * tangents[tb, lane]
+        for j in range(n):
+            for lane in range(count):
+                values[start + lane, j] = lanes[outputs[j], lane]
+            for k in range(m):
+                t = tangent[outputs[j], k]
+                if t >= 0:
+                    for lane in range(count):
+                        derivatives[start + lane, j, k] = tangents[t, lane]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -91,14 +202,21 @@ def second_order(operations, template, outputs, inputs, directions, v):
     along[: inputs.size] = v
     d = np.zeros((template.size, m))
     dd = np.zeros((template.size, m))
+    active = along != 0.0  # slots of which some derivative may differ from zero
     for k in range(m):
         d[directions[k], k] = 1.0
+        active[directions[k]] = True
     for i in range(operations.shape[0]):
         code, z = operations[i, 0], operations[i, 1]
         ia, ib = operations[i, 2], operations[i, 3]
         a, b = slots[ia], slots[ib]
         value, second = operate(code, a, b)
         slots[z] = value
+        if code >= op.FIRST_WITH_TWO:
+            slots[z + 1] = second
+        if not (active[ia] or active[ib]):
+            continue
+        active[z] = True
         fa, fb, ga = partials(code, a, b, value, second)
         faa, fab, fbb, gaa = second_partials(code, a, b, value, second)
         va, vb = along[ia], along[ib]
@@ -113,13 +231,12 @@ def second_order(operations, template, outputs, inputs, directions, v):
             for k in range(m):
                 d[z, k] = fa * d[ia, k]
                 dd[z, k] = fa * dd[ia, k] + faa * va * d[ia, k]
-        if code >= op.FIRST_WITH_TWO:
-            slots[z + 1] = second
-            if code <= op.SINHCOSH:
-                along[z + 1] = ga * va
-                for k in range(m):
-                    d[z + 1, k] = ga * d[ia, k]
-                    dd[z + 1, k] = ga * dd[ia, k] + gaa * va * d[ia, k]
+        if op.FIRST_WITH_TWO <= code <= op.SINHCOSH:
+            active[z + 1] = True
+            along[z + 1] = ga * va
+            for k in range(m):
+                d[z + 1, k] = ga * d[ia, k]
+                dd[z + 1, k] = ga * dd[ia, k] + gaa * va * d[ia, k]
     f = np.empty(n)
     first = np.empty((n, m))
     mixed = np.empty((n, m))
