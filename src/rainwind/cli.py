@@ -189,7 +189,7 @@ def equilibria(
     header, rows = _equilibria_table(model, found)
     noun = "equilibrium" if len(rows) == 1 else "equilibria"
     typer.echo(f"{len(rows)} {noun} at a wind speed of {model.wind.speed:g} m/s")
-    _print_table(header, [[_number_text(value) for value in row] for row in rows])
+    _print_table(header, [[f"{x:.4f}" if isinstance(x, float) else str(x) for x in row] for row in rows])
     if csv_file is not None:
         with csv_file.open("w", newline="", encoding="utf-8") as file:
             csv.writer(file, lineterminator="\n").writerows([header, *rows])
@@ -270,23 +270,27 @@ def _make_folder(folder: Path) -> None:
 
 
 def _equilibria_table(model: Any, found: Any) -> tuple[list[str], list[list[float | str]]]:
-    """The header, and a row for each equilibrium by rising angle; lengths in mm, phi in degrees, 0 to 360."""
+    """The header, and a row for each equilibrium by rising angle.
+
+    phi goes from leeward, -90 deg, over the top (0 without yaw), windward (90) and the bottom round to 270.
+    """
     lengths = [name for name in ("y", "z") if name in model.states]
     header = ["phi [deg]", *(f"{name} [mm]" for name in lengths), "kind", "largest real part [1/s]"]
     rows: list[list[float | str]] = []
     for one in found:
         growth = float(max(value.real for value in one.eigenvalues))
         millimetres = [1000 * float(one[name]) for name in lengths]
-        rows.append([degrees(one["phi"]) % 360, *millimetres, one.kind, growth])
+        rows.append([(degrees(one["phi"]) + 90) % 360 - 90, *millimetres, one.kind, growth])
     return header, sorted(rows, key=lambda row: row[0])
 
 
 def _print_table(header: list[str], rows: list[list[str]]) -> None:
+    from rich.markup import escape
     from rich.table import Table
 
-    table = Table(*header)
+    table = Table(*map(escape, header))
     for row in rows:
-        table.add_row(*row)
+        table.add_row(*map(escape, row))
     console = _console()
     with console.capture() as text:
         console.print(table)
