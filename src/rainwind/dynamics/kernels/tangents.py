@@ -149,9 +149,9 @@ def _jacobians_in_lanes(operations, template, outputs, inputs, directions, value
         moves[directions[k]] = True
     rows = moving(operations, moves)
     steps, begin, tangent, used = _steps(operations, rows, template.size, directions)
-    lanes = lanes_of(operations, template, inputs[0])
-    tangents = np.ones((used, LANES))
-    factors = np.empty((3, LANES))
+    lanes = lanes_of(operations, template, inputs)
+    tangents = np.ones((used, lanes.shape[1]))
+    factors = np.empty((3, lanes.shape[1]))
     for start in range(0, points, LANES):
         count = min(LANES, points - start)
         for i in range(inputs.shape[1]):

@@ -53,12 +53,12 @@ def moving(operations, moves):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def lanes_of(operations, template, first):
-    """All slots at the point `first`, repeated in every lane: (S, LANES)."""
+def lanes_of(operations, template, inputs):
+    """All slots at the first point of inputs (N, i), repeated in each lane: (S, min(N, LANES))."""
     slots = template.copy()
-    slots[: first.size] = first
+    slots[: inputs.shape[1]] = inputs[0]
     run(operations, slots)
-    lanes = np.empty((slots.size, LANES))
+    lanes = np.empty((slots.size, min(inputs.shape[0], LANES)))
     for slot in range(slots.size):
         lanes[slot] = slots[slot]
     return lanes
@@ -102,7 +102,7 @@ def values(operations, template, outputs, inputs):
             for k in range(outputs.size):
                 result[point, k] = slots[outputs[k]]
         return result
-    lanes = lanes_of(operations, template, inputs[0])
+    lanes = lanes_of(operations, template, inputs)
     rows = moving(operations, varying(inputs, template.size))
     for start in range(0, points, LANES):
         count = min(LANES, points - start)

@@ -1,0 +1,175 @@
+"""From a start to a finished branch: walk both ways, read the labels, join the halves."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from rainwind.dynamics.continuation import Equations, Node, Nodes, Walk
+from rainwind.dynamics.inspection import Inspector
+from rainwind.dynamics.kernels import march as kernel
+from rainwind.dynamics.kernels.values import values
+from rainwind.dynamics.results import Branch, Ended, SpecialPoint, Unexplained
+from rainwind.errors import InputError
+
+
+def window_of(name: str, until: Sequence[float]) -> tuple[float, float]:
+    """The bounds (low, high) of a parameter. Raises InputError."""
+    try:
+        low, high = (float(bound) for bound in until)
+    except (TypeError, ValueError):
+        raise InputError(f"until for {name} must be two numbers (low, high); got {until!r}") from None
+    if not (np.isfinite(low) and np.isfinite(high) and low < high):
+        raise InputError(f"until for {name} = ({low}, {high}): both must be finite, the first the smaller")
+    return low, high
+
+
+def follow(
+    kind: str,
+    problem: Equations,
+    start: Node,
+    window: dict[int, tuple[float, float]],
+    inspector: Inspector,
+    *,
+    ds: float,
+    limit: int,
+) -> Branch:
+    """Walk from a node both ways within the window and label what lies between.
+
+    Raises InputError for a step or limit that is not positive.
+    """
+    if not (np.isfinite(ds) and ds > 0):
+        raise InputError(f"ds = {ds!r}: the step of arclength must be a positive number")
+    if limit < 1:
+        raise InputError(f"limit = {limit}: at least one point a direction is needed")
+    ahead = _half(problem, start, window, inspector, ds, limit)
+    halves = [ahead]
+    if ahead.ended is not Ended.CLOSED:
+        turned = problem.correct(start, start.u, -start.tangent)
+        if turned is not None:
+            halves.insert(0, _half(problem, replace(turned, arclength=0.0), window, inspector, ds, limit))
+    return _joined(kind, problem, halves)
+
+
+class _Half:
+    """One direction of a branch, its arclength counted from the start."""
+
+    def __init__(
+        self, nodes: Nodes, ended: Ended, points: list[SpecialPoint], gaps: list[Unexplained]
+    ) -> None:
+        self.nodes, self.ended, self.points, self.gaps = nodes, ended, points, gaps
+
+
+def _half(
+    problem: Equations,
+    start: Node,
+    window: dict[int, tuple[float, float]],
+    inspector: Inspector,
+    ds: float,
+    limit: int,
+) -> _Half:
+    walk = Walk(problem, start, ds=ds, window=window)
+    parts = [Nodes.of([start])]
+    count, ended = 0, None
+    try:
+        for nodes in walk.chunks():
+            nodes, ended = _cut(problem, start, parts[-1][-1], nodes, count)
+            parts.append(nodes)
+            count += len(nodes)
+            if ended is None and count >= limit:
+                ended = Ended.TOO_MANY_POINTS
+            if ended is not None:
+                break
+    except KeyboardInterrupt:
+        ended = Ended.INTERRUPTED
+    everything = parts[0]
+    for part in parts[1:]:
+        if len(part):
+            everything = everything.followed_by(part)
+    points, gaps = inspector.labels(everything)
+    ended = ended or walk.ended
+    if problem.kind == kernel.HOPF:
+        everything, points, gaps, ended = _up_to_bogdanov_takens(everything, points, gaps, ended)
+    return _Half(everything, ended, points, gaps)  # type: ignore[arg-type]
+
+
+def _cut(
+    problem: Equations, start: Node, before: Node, nodes: Nodes, count: int
+) -> tuple[Nodes, Ended | None]:
+    """The nodes up to where the curve closes on its start or the model refuses a state, and which of both."""
+    if not len(nodes):
+        return nodes, None
+    offset = (nodes.u - start.u) / problem.scale
+    level = offset @ start.tangent
+    distance = np.linalg.norm(offset, axis=1)
+    previous = np.append(float(((before.u - start.u) / problem.scale) @ start.tangent), level[:-1])
+    gap = np.diff(np.append(before.arclength, nodes.arclength))
+    same = (
+        (nodes.tangent @ start.tangent > 0.9) & (distance < 1.2 * gap) & (np.arange(len(nodes)) + count > 2)
+    )
+    closed = np.flatnonzero((previous < 0) & (level >= 0) & same)
+    if closed.size:
+        i = int(closed[0])
+        end = replace(start, arclength=float(nodes.arclength[i] - level[i]))
+        return nodes[:i].followed_by(Nodes.of([end])), Ended.CLOSED
+    refusal = problem.system.refusal
+    if refusal is not None:
+        n = len(problem.system.states)
+        for i, u in enumerate(nodes.u):
+            changed = dict(zip(problem.along, u[n:], strict=False))
+            if refusal(u[:n], {**problem.system.parameters, **changed}) is not None:
+                return nodes[:i], Ended.REFUSED
+    return nodes, None
+
+
+def _up_to_bogdanov_takens(
+    nodes: Nodes, points: list[SpecialPoint], gaps: list[Unexplained], ended: Ended | None
+) -> tuple[Nodes, list[SpecialPoint], list[Unexplained], Ended | None]:
+    """A Hopf curve only as far as it is one."""
+    ends = [point for point in points if point.kind == "bt"]
+    if not ends:
+        return nodes, points, gaps, ended
+    last = ends[0].arclength
+    nodes = nodes[: int(np.searchsorted(nodes.arclength, last))]
+    points = [point for point in points if point.arclength <= last]
+    gaps = [gap for gap in gaps if gap.between[0] < last]
+    return nodes, points, gaps, Ended.AT_BT
+
+
+def _joined(kind: str, problem: Equations, halves: list[_Half]) -> Branch:
+    """Both halves in one direction, the arclength counted from the first point."""
+    system, n, q = problem.system, len(problem.system.states), len(problem.along)
+    backward, forward = halves if len(halves) == 2 else (None, halves[0])
+    u, s = forward.nodes.u, forward.nodes.arclength
+    spectra = forward.nodes.eigenvalues
+    points, gaps = list(forward.points), list(forward.gaps)
+    ended = (forward.ended, forward.ended)
+    shift = 0.0
+    if backward is not None:
+        shift = float(backward.nodes.arclength[-1])
+        u = np.concatenate([backward.nodes.u[:0:-1], u])
+        s = np.concatenate([-backward.nodes.arclength[:0:-1], s])
+        spectra = np.concatenate([backward.nodes.eigenvalues[:0:-1], spectra])
+        points = [replace(p, arclength=-p.arclength) for p in backward.points[::-1]] + points
+        turned = [
+            replace(
+                g, between=(-g.between[1], -g.between[0]), parameters=g.parameters[::-1], change=-g.change
+            )
+            for g in backward.gaps[::-1]
+        ]
+        gaps = turned + gaps
+        ended = (backward.ended, forward.ended)
+    inputs = np.tile(system.inputs(np.zeros(n)), (len(u), 1))
+    inputs[:, :n] = u[:, :n]
+    for k, name in enumerate(problem.along):
+        inputs[:, system.number(name)] = u[:, n + k]
+    residual = np.max(np.abs(values(*system.tape.arrays, inputs)), axis=1)
+    unstable = np.array(
+        [np.sum(kernel.watched(problem.kind, e, x[-1]).real > 0) for e, x in zip(spectra, u, strict=True)]
+    )
+    return Branch(
+        kind, system.states, problem.along, dict(system.parameters), u[:, :n].copy(), u[:, n : n + q].copy(),
+        spectra, unstable, s + shift, residual,
+        tuple(replace(p, arclength=p.arclength + shift) for p in points), ended,
+        tuple(replace(g, between=(g.between[0] + shift, g.between[1] + shift)) for g in gaps),
+    )  # fmt: skip

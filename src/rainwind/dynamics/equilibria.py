@@ -1,0 +1,123 @@
+"""Equilibria: find them, follow them in one parameter."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from rainwind.dynamics.bifurcations import equilibrium_inspector
+from rainwind.dynamics.branches import follow, window_of
+from rainwind.dynamics.continuation import Equations, Node
+from rainwind.dynamics.kernels.equations import EQUILIBRIUM
+from rainwind.dynamics.newton import null_vectors, solve_equilibrium, state_scale
+from rainwind.dynamics.results import Branch, Equilibrium, SpecialPoint
+from rainwind.dynamics.system import System, as_system
+from rainwind.errors import ComputationError, InputError
+from rainwind.parameters import unknown_name
+
+
+def find_equilibria(model: Any, *, starts: Sequence[Any] | None = None) -> tuple[Equilibrium, ...]:
+    """All equilibria of a model that can list them (`all_states`), polished by Newton.
+
+    For another system give `starts`, states from which Newton goes: those it reaches are returned, each once, and
+    no completeness is claimed. Raises InputError when neither is there.
+    """
+    system = as_system(model)
+    if starts is None:
+        if system.all_states is None:
+            raise InputError(
+                "this system cannot list all its equilibria; give starts=[...], states to search from"
+            )
+        starts = np.asarray(system.all_states(system.parameters))
+    found: list[Equilibrium] = []
+    for start in starts:
+        guess = system.state(start)
+        solution = solve_equilibrium(system, guess)
+        if solution is None:
+            continue
+        state, residual = solution
+        if any(np.allclose(state, other.state, rtol=1e-9, atol=1e-12) for other in found):
+            continue
+        found.append(_equilibrium(system, state, residual))
+    return tuple(found)
+
+
+def find_equilibrium(model: Any, start: Any = None) -> Equilibrium:
+    """The equilibrium that Newton reaches from `start` (default: the zero state). Raises ComputationError."""
+    system = as_system(model)
+    guess = system.state({} if start is None else start)
+    solution = solve_equilibrium(system, guess)
+    if solution is None:
+        raise ComputationError(
+            f"Newton found no equilibrium from {dict(zip(system.states, guess, strict=True))}"
+        )
+    return _equilibrium(system, *solution)
+
+
+def continue_equilibria(
+    model: Any,
+    along: str,
+    *,
+    until: tuple[float, float],
+    start: Any = None,
+    ds: float = 0.05,
+    limit: int = 20_000,
+) -> Branch:
+    """The branch of equilibria through `start` in one parameter, within the window `until`, in both directions.
+
+    start: a state by name or in order (Newton goes from there at the model's parameter value), an Equilibrium, or a
+    special point; a branch point leads onto the other branch. ds: first and largest step of arclength; states count
+    as they are (divided by their start where that exceeds 1), the window counts as 20. limit: points a direction.
+    Raises InputError for bad input and ComputationError when not even the start could be computed.
+    """
+    system = as_system(model)
+    low, high = window_of(along, until)
+    if along not in system.parameters:
+        raise unknown_name(along, system.parameters, "parameter")
+    value = system.parameters[along]
+    if isinstance(start, Equilibrium | SpecialPoint):
+        system = system.with_parameters({k: v for k, v in start.parameters.items() if k in system.parameters})
+        value = system.parameters[along]
+    if not low <= value <= high:
+        raise InputError(
+            f"start: {along} = {value:g} lies outside until = ({low:g}, {high:g}); move one of them"
+        )
+    guess = system.state(
+        start.state if isinstance(start, Equilibrium | SpecialPoint) else ({} if start is None else start)
+    )
+    scale = np.append(state_scale(guess), (high - low) / 20.0)
+    problem = Equations(EQUILIBRIUM, system, (along,), scale)
+    u = np.append(guess, value)
+    if isinstance(start, SpecialPoint) and start.crossing is not None:
+        tangent = start.crossing / scale
+        tangent /= np.linalg.norm(tangent)
+    else:
+        if not isinstance(start, SpecialPoint):
+            solution = solve_equilibrium(system, guess)
+            if solution is None:
+                raise ComputationError(
+                    f"Newton found no equilibrium at {along} = {value:g} from "
+                    f"{dict(zip(system.states, guess.tolist(), strict=True))}; give another start"
+                )
+            u = np.append(solution[0], value)
+        tangent = null_vectors(_derivatives(system, along, u) * scale, 1)[1][:, 0]
+        if tangent[-1] < 0:
+            tangent = -tangent
+    node = problem.correct(Node(u, tangent), u, tangent)
+    if node is None:
+        raise ComputationError(f"the branch could not be started at {along} = {value:g}")
+    window = {len(system.states): (low, high)}
+    return follow("equilibria", problem, node, window, equilibrium_inspector(problem), ds=ds, limit=limit)
+
+
+def _equilibrium(system: System, state: np.ndarray, residual: float) -> Equilibrium:
+    eigenvalues = np.linalg.eigvals(system.jacobian(state))
+    order = np.argsort(-eigenvalues.real)
+    return Equilibrium(system.states, state, dict(system.parameters), eigenvalues[order], residual)
+
+
+def _derivatives(system: System, along: str, u: np.ndarray) -> np.ndarray:
+    parameters: Mapping[str, float] = {along: u[-1]}
+    return np.hstack(
+        [system.jacobian(u[:-1], parameters), system.jacobian_parameters(u[:-1], [along], parameters)]
+    )

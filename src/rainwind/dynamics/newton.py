@@ -1,0 +1,24 @@
+"""Newton's method for one equilibrium, and null vectors to start a walk from."""
+
+import numpy as np
+
+from rainwind.dynamics.continuation import Equations
+from rainwind.dynamics.kernels.equations import EQUILIBRIUM
+from rainwind.dynamics.system import System
+
+
+def solve_equilibrium(system: System, guess: np.ndarray) -> tuple[np.ndarray, float] | None:
+    """The equilibrium that Newton reaches from a guess (n,), and its residual; None where it does not converge."""
+    problem = Equations(EQUILIBRIUM, system, (), state_scale(guess))
+    return problem.solve(guess)
+
+
+def state_scale(state: np.ndarray) -> np.ndarray:
+    """One unit of arclength in each state: 1, or the state itself where that is larger."""
+    return np.maximum(1.0, np.abs(state))
+
+
+def null_vectors(matrix: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """The `count` most nearly null directions of a matrix (m, k): left (m, count) and right (k, count)."""
+    u, _, vt = np.linalg.svd(matrix)
+    return u[:, -count:].copy(), vt[-count:].T.copy()

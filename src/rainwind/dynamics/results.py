@@ -1,0 +1,247 @@
+"""Results: frozen data that can be asked and can audit themselves. They hold no solver."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any
+
+import numpy as np
+
+from rainwind.errors import InputError
+from rainwind.parameters import unknown_name
+
+
+class Ended(Enum):
+    """Why a walk ended."""
+
+    AT_BOUND = "a parameter reached its bound"
+    CLOSED = "the curve came back to its start"
+    AT_BT = "the Hopf curve ended at a Bogdanov-Takens point; beyond it lie neutral saddles"
+    STEP_TOO_SMALL = "Newton failed even at the smallest step"
+    TOO_MANY_POINTS = "the limit on the number of points was reached"
+    REFUSED = "the model refused the next state"
+    NOT_FINITE = "a state or parameter became too large"
+    INTERRUPTED = "interrupted by the user"
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """How well a label holds: what should be zero, and what should not.
+
+    residual: largest |F| of the defining equations; checks: name -> value of independent quantities that vanish
+    at such a point, each beside its tolerance; margins: quantities that must differ from zero (non-degeneracy).
+    """
+
+    residual: float
+    checks: Mapping[str, tuple[float, float]]
+    margins: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def holds(self) -> bool:
+        """Whether every check is within its tolerance."""
+        return all(abs(value) <= tolerance for value, tolerance in self.checks.values())
+
+    def __str__(self) -> str:
+        checks = ", ".join(f"{name} {value:.1e} (<= {tol:.0e})" for name, (value, tol) in self.checks.items())
+        margins = ", ".join(f"{name} {value:.3g}" for name, value in self.margins.items())
+        return f"residual {self.residual:.1e}; {checks}" + (f"; {margins}" if margins else "")
+
+
+@dataclass(frozen=True)
+class SpecialPoint:
+    """A labelled point of a branch or curve.
+
+    kind: fold, hopf, bp; on curves cusp, bt, gh, zh, hh. state (n,); parameters: all of them, by name; along:
+    the names of the free ones. omega: angular frequency of the critical pair, or two of them (rad per unit time);
+    lyapunov: first Lyapunov coefficient in Kuznetsov's normalisation (MatCont prints omega times it). crossing
+    (n + 1,): direction (state, parameter) of the other branch at a branch point.
+    """
+
+    kind: str
+    states: tuple[str, ...]
+    state: np.ndarray
+    parameters: Mapping[str, float]
+    along: tuple[str, ...]
+    eigenvalues: np.ndarray
+    arclength: float
+    certificate: Certificate
+    omega: float | tuple[float, ...] | None = None
+    lyapunov: float | None = None
+    crossing: np.ndarray | None = None
+    note: str = ""
+
+    @property
+    def parameter(self) -> float:
+        """The value of the first free parameter."""
+        return self.parameters[self.along[0]]
+
+    def __getitem__(self, name: str) -> float:
+        return _by_name(name, self.states, self.state, self.parameters)
+
+    def __str__(self) -> str:
+        where = ", ".join(f"{name} = {self.parameters[name]:.8g}" for name in self.along)
+        omega = "" if self.omega is None else f", omega = {np.round(self.omega, 6)}"
+        lyapunov = "" if self.lyapunov is None else f", l1 = {self.lyapunov:.4g}"
+        return f"{self.kind} at {where}{omega}{lyapunov}" + (f" ({self.note})" if self.note else "")
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """One equilibrium: state (n,), all parameters, eigenvalues (n,) by descending real part."""
+
+    states: tuple[str, ...]
+    state: np.ndarray
+    parameters: Mapping[str, float]
+    eigenvalues: np.ndarray
+    residual: float
+
+    @property
+    def stable(self) -> bool:
+        """Whether all eigenvalues lie left of the imaginary axis."""
+        return bool(np.all(self.eigenvalues.real < 0))
+
+    @property
+    def kind(self) -> str:
+        """In words: stable focus or node, unstable focus or node, saddle, saddle-focus."""
+        return kind_of_equilibrium(self.eigenvalues)
+
+    def __getitem__(self, name: str) -> float:
+        return _by_name(name, self.states, self.state, self.parameters)
+
+
+@dataclass(frozen=True)
+class Unexplained:
+    """A change in the number of unstable eigenvalues that no label explains, between two points."""
+
+    between: tuple[float, float]  # arclengths
+    parameters: tuple[Mapping[str, float], Mapping[str, float]]
+    change: int
+
+
+@dataclass(frozen=True, eq=False)
+class Branch:
+    """Equilibria in one parameter, or points of a curve in two, ordered along the arclength.
+
+    along: names of the free parameters (1 or 2); state (N, n); free (N, len(along)); eigenvalues (N, n);
+    unstable (N,): number of eigenvalues right of the imaginary axis, the critical ones of a curve not counted;
+    special: labelled points; ended: why each end is where it is; unexplained: what no label explains.
+    `branch["phi"]`, `branch["wind.speed"]` give columns.
+    """
+
+    kind: str  # equilibria, fold, hopf
+    states: tuple[str, ...]
+    along: tuple[str, ...]
+    parameters: Mapping[str, float]  # those that are not free keep these values
+    state: np.ndarray
+    free: np.ndarray
+    eigenvalues: np.ndarray
+    unstable: np.ndarray
+    arclength: np.ndarray
+    residual: np.ndarray
+    special: tuple[SpecialPoint, ...]
+    ended: tuple[Ended, Ended]
+    unexplained: tuple[Unexplained, ...] = ()
+    note: str = ""
+
+    def points(self, kind: str | None = None) -> tuple[SpecialPoint, ...]:
+        """The special points of one kind, or all, in order along the branch."""
+        if kind is not None and kind not in KINDS:
+            raise unknown_name(kind, KINDS, "kind of special point")
+        return tuple(point for point in self.special if kind in (None, point.kind))
+
+    def __len__(self) -> int:
+        return len(self.arclength)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name in self.along:
+            return self.free[:, self.along.index(name)]
+        if name in self.states:
+            return self.state[:, self.states.index(name)]
+        if name in self.parameters:
+            return np.full(len(self), self.parameters[name])
+        raise unknown_name(name, (*self.along, *self.states), "column")
+
+    @property
+    def parameter(self) -> np.ndarray:
+        """The first free parameter along the branch (N,)."""
+        return self.free[:, 0]
+
+    @property
+    def stable(self) -> np.ndarray:
+        """Whether each point is stable (N,)."""
+        return self.unstable == 0
+
+    def pieces(self, *names: str) -> Iterator[tuple[int, tuple[np.ndarray, ...]]]:
+        """Pieces of constant stability for drawing: (number unstable, columns), cut exactly at the labels."""
+        cuts = [p for p in self.special if p.kind in ("fold", "hopf", "bp", "zh", "hh", "bt")]
+        bounds = [-np.inf, *(p.arclength for p in cuts), np.inf]
+        for i in range(len(bounds) - 1):
+            inside = (self.arclength > bounds[i]) & (self.arclength < bounds[i + 1])
+            if not np.any(inside):
+                continue
+            columns = []
+            for name in names:
+                column = self[name][inside]
+                before = [cuts[i - 1][name]] if i > 0 else []
+                after = [cuts[i][name]] if i < len(cuts) else []
+                columns.append(np.concatenate([before, column, after]))
+            # the count in the middle: points beside a label may sit on the axis to rounding
+            yield int(np.median(self.unstable[inside])), tuple(columns)
+
+    def at(self, name: str, value: float) -> np.ndarray:
+        """Arclengths at which a column passes `value`, by linear interpolation between points."""
+        column = self[name] - value
+        hits = np.flatnonzero(np.sign(column[:-1]) * np.sign(column[1:]) < 0)
+        t = column[hits] / (column[hits] - column[hits + 1])
+        return self.arclength[hits] + t * np.diff(self.arclength)[hits]
+
+    def extremum(self, name: str, *, largest: bool = True) -> float:
+        """The largest (or smallest) value of a column along the branch, by a parabola through three points."""
+        column = self[name] if largest else -self[name]
+        i = int(np.argmax(column))
+        if 0 < i < len(column) - 1:
+            s = self.arclength[i - 1 : i + 2] - self.arclength[i]
+            a, b, c = np.polyfit(s, column[i - 1 : i + 2], 2)
+            if a < 0 and s[0] < -b / (2 * a) < s[2]:
+                best = c - b * b / (4 * a)
+                return float(best if largest else -best)
+        return float(self[name][i])
+
+    def audit(self) -> list[str]:
+        """Everything about this branch that a careful reader should know before trusting it."""
+        faults = [
+            f"{p}: certificate does not hold: {p.certificate}"
+            for p in self.special
+            if not p.certificate.holds
+        ]
+        faults += [
+            f"between arclength {u.between[0]:.6g} and {u.between[1]:.6g} the number of unstable eigenvalues "
+            f"changes by {u.change:+d} and no label explains it"
+            for u in self.unexplained
+        ]
+        return faults + [end.value for end in self.ended if end in _BAD_ENDS]
+
+
+KINDS = ("fold", "hopf", "bp", "cusp", "bt", "gh", "zh", "hh")
+_BAD_ENDS = (Ended.STEP_TOO_SMALL, Ended.NOT_FINITE, Ended.TOO_MANY_POINTS)
+
+
+def kind_of_equilibrium(eigenvalues: np.ndarray) -> str:
+    """An equilibrium's type in words, from its eigenvalues (n,)."""
+    unstable = eigenvalues[eigenvalues.real > 0]
+    leading = eigenvalues[np.argmax(eigenvalues.real)]
+    if unstable.size == 0:
+        return "stable focus" if leading.imag else "stable node"
+    if np.all(unstable.imag != 0):
+        return "unstable focus"
+    if np.any(unstable.imag != 0):
+        return "saddle-focus"
+    return "unstable node" if unstable.size == eigenvalues.size else "saddle"
+
+
+def _by_name(name: str, states: tuple[str, ...], state: np.ndarray, parameters: Mapping[str, Any]) -> float:
+    if name in states:
+        return float(state[states.index(name)])
+    if name in parameters:
+        return float(parameters[name])
+    raise InputError(f"there is no state or parameter '{name}'. Known: {', '.join((*states, *parameters))}")
