@@ -1,5 +1,6 @@
 """The command line: what it prints, what it writes, its exit codes, and no traceback for bad input."""
 
+import csv
 import json
 import os
 import signal
@@ -142,6 +143,7 @@ def test_equilibria(equilibria: list[object], tmp_path: Path):
     result = run("equilibria", "--csv", tmp_path / "new" / "a.csv")
     assert "the paper's sample case" in result.err
     assert "2 equilibria at a wind speed of 9 m/s" in result.out
+    assert "phi [deg]" in result.out
     assert equilibria == [paper_model()]
     header, first, second = (tmp_path / "new" / "a.csv").read_text(encoding="utf-8").splitlines()
     assert header == "phi [deg],y [mm],z [mm],kind,largest real part [1/s]"
@@ -151,6 +153,18 @@ def test_equilibria(equilibria: list[object], tmp_path: Path):
     assert [float(second.split(",")[i]) for i in (0, 1, 2, 4)] == pytest.approx(
         [188.1126615, 1.0, 2.0, -0.25]
     )
+
+
+def test_equilibria_of_the_paper(tmp_path: Path):
+    # Peil & Nahrath (2003), section 4.1: two below 8 m/s, four above; D at about 45 degrees at 9 m/s
+    for speed, count in ((7.0, 2), (9.0, 4)):
+        run("equilibria", "--speed", speed, "--csv", tmp_path / f"{count}.csv")
+        with (tmp_path / f"{count}.csv").open(encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        assert len(rows) == count
+        assert rows[-1]["kind"] == "stable focus"  # A, section 4.2
+    assert float(rows[1]["phi [deg]"]) == pytest.approx(45, abs=2)
+    assert [row["kind"] for row in rows] == ["saddle", "unstable focus", "saddle", "stable focus"]  # B D C A
 
 
 @pytest.mark.parametrize(("given", "speed"), [("12", 12.0), ("12 m/s", 12.0), ("36 km/h", 10.0)])
