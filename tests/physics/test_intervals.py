@@ -1,5 +1,6 @@
 """Enclosures hold: every value and slope in a box lies inside its interval."""
 
+from fractions import Fraction
 from math import inf, pi
 
 import numpy as np
@@ -58,6 +59,16 @@ def test_enclosures_are_sharp_on_thin_boxes():
         box = formula(Box.variable(x, x))
         for (low, high), exact in ((box.value, formula(x)), (box.slope, slope(x))):
             assert high - low < 1e-13 * (1 + np.abs(exact)), name
+
+
+@given(st.floats(-5, 5), st.floats(-5, 5), st.floats(0.1, 5))
+def test_bounds_hold_in_exact_arithmetic(a, b, c):
+    """Against fractions: rounding goes outward."""
+    x = Box.variable(np.array([a]), np.array([a]))
+    exact = ((Fraction(a) + Fraction(b)) * Fraction(a) - Fraction(c)) / Fraction(c) + 1 / Fraction(c)
+    box = ((x + b) * x - c) / (x * 0.0 + c) + 1.0 / (x * 0.0 + c)
+    low, high = (Fraction(float(bound[0])) for bound in box.value)
+    assert low <= exact <= high
 
 
 def test_sine_knows_its_extremes():
