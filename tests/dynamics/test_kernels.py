@@ -310,10 +310,10 @@ def test_first_order_leaves_inactive_rows_unread():
 
 def test_run_jets_along_a_curve():
     """f of the curve u = u0 + 2 t - t^2 + t^3, w = w0 + t^2, against f along it in closed form."""
-    tape = tape_of([("exp", "u"), ("multiply", "u", "w")])
+    tape = tape_of([("exp", "u"), ("multiply", "u", "w"), ("square", "w")])
     slots = np.zeros((tape.template.size, 4))
     slots[:, 0] = tape.template
-    slots[0], slots[1], slots[2, 0] = (0.3, 2.0, -1.0, 1.0), (1.5, 0.0, 1.0, 0.0), 0.9
+    slots[0], slots[1] = (0.3, 2.0, -1.0, 1.0), (1.5, 0.0, 1.0, 0.0)
     slots[tape.operations[0, 1] :] = 7.0  # what an earlier run left is not read
     run_jets(tape.operations, slots)
     u, w, t = slots[0], slots[1], sympy.Symbol("t")
@@ -322,6 +322,7 @@ def test_run_jets_along_a_curve():
     expected = [float(series.coeff(t, k)) for k in range(4)]
     np.testing.assert_allclose(slots[tape.outputs[0]], expected, rtol=1e-13)
     np.testing.assert_allclose(slots[tape.outputs[1]], np.convolve(u, w)[:4], rtol=1e-15)
+    np.testing.assert_allclose(slots[tape.outputs[2]], np.convolve(w, w)[:4], rtol=1e-15)
 
 
 def test_many_vectors_equal_one_by_one():
