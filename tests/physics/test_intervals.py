@@ -63,12 +63,20 @@ def test_enclosures_are_sharp_on_thin_boxes():
 
 @given(st.floats(-5, 5), st.floats(-5, 5), st.floats(0.1, 5))
 def test_bounds_hold_in_exact_arithmetic(a, b, c):
-    """Against fractions: rounding goes outward."""
-    x = Box.variable(np.array([a]), np.array([a]))
-    exact = ((Fraction(a) + Fraction(b)) * Fraction(a) - Fraction(c)) / Fraction(c) + 1 / Fraction(c)
-    box = ((x + b) * x - c) / (x * 0.0 + c) + 1.0 / (x * 0.0 + c)
-    low, high = (Fraction(float(bound[0])) for bound in box.value)
-    assert low <= exact <= high
+    """Against fractions, one operation at a time: rounding goes outward."""
+    x, y, z = (Box.variable(np.array([v]), np.array([v])) for v in (a, b, c))
+    exact_a, exact_b, exact_c = Fraction(a), Fraction(b), Fraction(c)
+    for box, exact in (
+        (x + y, exact_a + exact_b),
+        (x - b, exact_a - exact_b),
+        (x * y, exact_a * exact_b),
+        (x * b, exact_a * exact_b),
+        (x * x, exact_a**2),
+        (1.0 / z, 1 / exact_c),
+        (x / c, exact_a / exact_c),
+    ):
+        low, high = (Fraction(float(bound[0])) for bound in box.value)
+        assert low <= exact <= high
 
 
 def test_sine_knows_its_extremes():
