@@ -1,3 +1,77 @@
-"""rainwind: rain-wind induced vibration of stay cables, and a bifurcation toolkit for smooth ODEs."""
+"""rainwind: rain-wind induced vibration of stay cables, and a bifurcation toolkit for smooth ODEs.
+
+Everything a user needs is here: `import rainwind as rw`. Names are loaded when first used, so that the
+import itself costs nothing.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from rainwind.dynamics.curves import continue_fold as continue_fold
+    from rainwind.dynamics.curves import continue_hopf as continue_hopf
+    from rainwind.dynamics.equilibria import continue_equilibria as continue_equilibria
+    from rainwind.dynamics.equilibria import find_equilibria as find_equilibria
+    from rainwind.dynamics.equilibria import find_equilibrium as find_equilibrium
+    from rainwind.dynamics.results import Branch as Branch
+    from rainwind.dynamics.results import Ended as Ended
+    from rainwind.dynamics.results import SpecialPoint as SpecialPoint
+    from rainwind.dynamics.system import System as System
+    from rainwind.elementary import acos as acos
+    from rainwind.elementary import asin as asin
+    from rainwind.elementary import atan as atan
+    from rainwind.elementary import atan2 as atan2
+    from rainwind.elementary import cos as cos
+    from rainwind.elementary import cosh as cosh
+    from rainwind.elementary import erf as erf
+    from rainwind.elementary import exp as exp
+    from rainwind.elementary import log as log
+    from rainwind.elementary import sin as sin
+    from rainwind.elementary import sinh as sinh
+    from rainwind.elementary import sqrt as sqrt
+    from rainwind.elementary import tan as tan
+    from rainwind.elementary import tanh as tanh
+    from rainwind.errors import RainwindError as RainwindError
+    from rainwind.io.cases import read_case as read_case
+    from rainwind.physics.coefficient_files import load_coefficients as load_coefficients
+    from rainwind.physics.model import RivuletModel as RivuletModel
+    from rainwind.physics.model import paper_model as paper_model
+    from rainwind.physics.rivulet import Rivulet as Rivulet
+    from rainwind.physics.section import CableSection as CableSection
+    from rainwind.physics.wind import Wind as Wind
+
+_HOME = {
+    "continue_fold": "dynamics.curves",
+    "continue_hopf": "dynamics.curves",
+    "continue_equilibria": "dynamics.equilibria",
+    "find_equilibria": "dynamics.equilibria",
+    "find_equilibrium": "dynamics.equilibria",
+    "Branch": "dynamics.results",
+    "Ended": "dynamics.results",
+    "SpecialPoint": "dynamics.results",
+    "System": "dynamics.system",
+    **dict.fromkeys("acos asin atan atan2 cos cosh erf exp log sin sinh sqrt tan tanh".split(), "elementary"),
+    "RainwindError": "errors",
+    "read_case": "io.cases",
+    "load_coefficients": "physics.coefficient_files",
+    "RivuletModel": "physics.model",
+    "paper_model": "physics.model",
+    "Rivulet": "physics.rivulet",
+    "CableSection": "physics.section",
+    "Wind": "physics.wind",
+}
+__all__ = [*_HOME, "__version__"]  # noqa: PLE0604
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'rainwind' has no attribute '{name}'")
+    value = getattr(import_module(f"rainwind.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -12,6 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from rainwind.dynamics.kernels import march as kernel
+from rainwind.dynamics.kernels.equations import equations
 from rainwind.dynamics.results import Ended
 from rainwind.dynamics.system import System
 
@@ -88,6 +89,10 @@ class Equations:
         if iterations == 0:
             return None
         return Node(u, tangent, 0.0, iterations, tests, spectrum, tuple(borders))
+
+    def derivatives(self, u: np.ndarray, borders: tuple[np.ndarray, np.ndarray, np.ndarray]) -> np.ndarray:
+        """The Jacobian (m, len(u)) of the equations at u."""
+        return equations(*self._packed, *borders, u)[1]  # type: ignore[attr-defined]
 
     def solve(
         self, u: np.ndarray, borders: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None

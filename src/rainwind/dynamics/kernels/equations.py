@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 
 from rainwind.dynamics.kernels.linear import solve_bordered, solve_many
-from rainwind.dynamics.kernels.tangents import jacobians, second_order
+from rainwind.dynamics.kernels.tangents import jacobian_at, second_order
 
 EQUILIBRIUM = 0
 FOLD = 1
@@ -64,8 +64,8 @@ def equations(kind, tape, inputs, free, left, below, weights, u):
     directions[:n] = np.arange(n)
     directions[n:] = free
 
-    f, d = jacobians(operations, template, outputs, at.reshape((1, at.size)), directions)
-    jacobian = np.ascontiguousarray(d[0, :, :n])
+    f, d = jacobian_at(operations, template, outputs, at, directions)
+    jacobian = np.ascontiguousarray(d[:, :n])
     extra = 0
     if kind == FOLD:
         extra = 1
@@ -73,8 +73,8 @@ def equations(kind, tape, inputs, free, left, below, weights, u):
         extra = 2
     big_f = np.empty(n + extra)
     big_d = np.zeros((n + extra, u.size))
-    big_f[:n] = f[0]
-    big_d[:n, : n + q] = d[0]
+    big_f[:n] = f
+    big_d[:n, : n + q] = d
     along = np.zeros(at.size)
 
     if kind == FOLD:
@@ -111,7 +111,7 @@ def equations(kind, tape, inputs, free, left, below, weights, u):
         # [J, f_p] has n rows and n + 1 columns: one column of zeros beside it would do, so border it by hand:
         # left (n + 1, 1), of which n rows count, and below (n + 1, 2)
         matrix = np.zeros((n + 2, n + 2))
-        matrix[:n, : n + 1] = d[0]
+        matrix[:n, : n + 1] = d
         matrix[:n, n + 1] = left[:n, 0]
         for j in range(2):
             matrix[n + j, : n + 1] = below[:, j]

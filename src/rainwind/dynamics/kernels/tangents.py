@@ -55,6 +55,28 @@ def first_order(operations, slots, tangents, active):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def jacobian_at(operations, template, outputs, inputs, directions):
+    """f (n,) and its derivatives (n, m) by the inputs numbered in `directions`, at one point: inputs (i,)."""
+    m, n = directions.size, outputs.size
+    slots = template.copy()
+    slots[: inputs.size] = inputs
+    tangents = np.empty((template.size, m))
+    tangents[: inputs.size] = 0.0
+    active = np.zeros(template.size, dtype=np.bool_)
+    for k in range(m):
+        tangents[directions[k], k] = 1.0
+        active[directions[k]] = True
+    first_order(operations, slots, tangents, active)
+    values = np.empty(n)
+    derivatives = np.zeros((n, m))
+    for j in range(n):
+        values[j] = slots[outputs[j]]
+        if active[outputs[j]]:
+            derivatives[j] = tangents[outputs[j]]
+    return values, derivatives
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def jacobians(operations, template, outputs, inputs, directions):
     """f and its derivatives by the inputs numbered in `directions`, at N points.
 
@@ -65,22 +87,10 @@ def jacobians(operations, template, outputs, inputs, directions):
     derivatives = np.zeros((points, n, m))
     if points >= FEW:
         _jacobians_in_lanes(operations, template, outputs, inputs, directions, values, derivatives)
-        return values, derivatives
-    slots = template.copy()
-    tangents = np.empty((template.size, m))
-    tangents[: inputs.shape[1]] = 0.0
-    active = np.zeros(template.size, dtype=np.bool_)
-    for k in range(m):
-        tangents[directions[k], k] = 1.0
-        active[directions[k]] = True
-    for point in range(points):
-        slots[: inputs.shape[1]] = inputs[point]
-        first_order(operations, slots, tangents, active)
-        for j in range(n):
-            values[point, j] = slots[outputs[j]]
-            if active[outputs[j]]:
-                for k in range(m):
-                    derivatives[point, j, k] = tangents[outputs[j], k]
+    else:
+        for point in range(points):
+            found = jacobian_at(operations, template, outputs, inputs[point], directions)
+            values[point], derivatives[point] = found
     return values, derivatives
 
 
