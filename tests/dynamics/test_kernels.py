@@ -310,7 +310,7 @@ def test_first_order_leaves_inactive_rows_unread():
 
 def test_run_jets_along_a_curve():
     """f of the curve u = u0 + 2 t - t^2 + t^3, w = w0 + t^2, against f along it in closed form."""
-    tape = tape_of([("exp", "u"), ("multiply", "u", "w"), ("square", "w")])
+    tape = tape_of([("exp", "u"), ("multiply", "u", "w"), ("square", "w"), ("sin", "q")])
     slots = np.zeros((tape.template.size, 4))
     slots[:, 0] = tape.template
     slots[0], slots[1] = (0.3, 2.0, -1.0, 1.0), (1.5, 0.0, 1.0, 0.0)
@@ -323,6 +323,7 @@ def test_run_jets_along_a_curve():
     np.testing.assert_allclose(slots[tape.outputs[0]], expected, rtol=1e-13)
     np.testing.assert_allclose(slots[tape.outputs[1]], np.convolve(u, w)[:4], rtol=1e-15)
     np.testing.assert_allclose(slots[tape.outputs[2]], np.convolve(w, w)[:4], rtol=1e-15)
+    np.testing.assert_array_equal(slots[tape.outputs[3]], [0, 0, 0, 0])
 
 
 def test_many_vectors_equal_one_by_one():
