@@ -59,10 +59,12 @@ def _locate(problem: Equations, kind: str, a: Probe, b: Probe, changes: Changes)
     if found is None:
         return None
     u, residual = found
-    length = b.node.arclength - a.node.arclength
+    # the interval holds one event: a point outside belongs to another one
     offset = (u[: n + 1] - a.node.u) / problem.scale
+    length = float(a.node.tangent @ ((b.node.u - a.node.u) / problem.scale))
     ahead = float(a.node.tangent @ offset)
-    if not -0.1 * length <= ahead <= 1.1 * length or np.linalg.norm(offset) > 1.5 * length:
+    margin = 1e-3 * length + 1e-10
+    if not -margin <= ahead <= length + margin or np.linalg.norm(offset) > 1.5 * length + margin:
         return None
     parameters = {**system.parameters, problem.along[0]: float(u[n])}
     point = describe(
@@ -123,11 +125,12 @@ def _crossing(problem: Equations, u: np.ndarray, tangent: np.ndarray) -> np.ndar
         along[directions] = basis[:, i] * scale
         _, _, mixed = second_order(*system.tape.arrays, at, directions, along)
         c[i] = w[:, -1] @ mixed @ (basis * scale[:, None])
-    root = np.sqrt(max(c[0, 1] ** 2 - c[0, 0] * c[1, 1], 0.0))
+    # both roots from the eigenvectors of c, whose eigenvalues have opposite signs where two branches cross
+    values, vectors = np.linalg.eigh((c + c.T) / 2)
+    size = np.sqrt(np.abs(values))
     candidates = []
-    for r in (root, -root):
-        ab = (-c[0, 1] + r, c[0, 0]) if abs(c[0, 0]) > abs(c[1, 1]) else (c[1, 1], -c[0, 1] + r)
-        t = basis @ np.array(ab)
+    for sign in (1.0, -1.0):
+        t = basis @ vectors @ np.array([size[1], sign * size[0]])
         candidates.append(t / np.linalg.norm(t))
     return min(candidates, key=lambda t: abs(t @ tangent)) * scale
 

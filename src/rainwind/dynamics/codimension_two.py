@@ -1,5 +1,7 @@
 """Codimension-two points on curves of folds and Hopf points: cusp, bt, gh, zh, hh."""
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.optimize import brentq
 
@@ -62,9 +64,11 @@ def _locate(problem: Equations, kind: str, a: Probe, b: Probe, changes: Changes)
         if fraction in (0.0, 1.0):
             return a.node if fraction == 0.0 else b.node
         node = point_between(problem, a.node, b.node, fraction)
-        if node is None:
+        # a node's values belong to Newton's last iterate but one: correct once more, for values at the point itself
+        exact = node and problem.correct(node, node.u, node.tangent)
+        if node is None or exact is None:
             raise _Lost
-        return node
+        return replace(exact, arclength=node.arclength)
 
     try:
         fraction = float(brentq(lambda t: value(at(t)), 0.0, 1.0, xtol=1e-14, rtol=1e-14, maxiter=60))

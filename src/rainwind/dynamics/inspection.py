@@ -2,9 +2,11 @@
 
 Sign functions and the count of unstable eigenvalues work together. An interval is clear when no watched value
 changes sign and none can have crossed zero and come back at the pace it moves; it holds one event when the changes
-fit exactly one kind and the crossing is nearly straight. Every other interval is halved.
+fit exactly one kind and the crossing is nearly straight. Every other interval is halved, until it is too short or
+too many probes were spent.
 """
 
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -14,8 +16,10 @@ from rainwind.dynamics.continuation import Equations, Node, Nodes, point_between
 from rainwind.dynamics.kernels import march as kernel
 from rainwind.dynamics.results import SpecialPoint, Unexplained
 
-_DEEPEST = 16
+_SHORTEST = 1e-9  # of arclength
+_MOST_PROBES = 500  # in one interval between nodes: values that only look like crossings could ask for millions
 _STRAIGHT = 0.2
+_ROUNDING = 1e-13  # of a real part, as a share of the largest eigenvalue
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +34,11 @@ class Probe:
     def values(self) -> np.ndarray:
         """Real parts of the watched eigenvalues, then the two test values (k + 2,)."""
         return np.concatenate([self.watched.real, self.node.tests])
+
+    @property
+    def rounding(self) -> float:
+        """Real parts smaller than this have no sign."""
+        return _ROUNDING * float(np.max(np.abs(self.node.eigenvalues)))
 
     @property
     def count(self) -> int:
@@ -79,41 +88,38 @@ class Inspector:
         for i in np.flatnonzero(flags):
             a = Probe(nodes[int(i)], ordered[i], pace[i])
             b = Probe(nodes[int(i) + 1], ordered[i + 1], pace[i + 1])
-            self._explain(a, b, 0, points, unexplained)
-        return points, unexplained
+            self._explain(a, b, points, unexplained)
+        return sorted(points, key=lambda p: p.arclength), sorted(unexplained, key=lambda u: u.between)
 
     def _explain(
-        self, a: Probe, b: Probe, depth: int, points: list[SpecialPoint], unexplained: list[Unexplained]
+        self, a: Probe, b: Probe, points: list[SpecialPoint], unexplained: list[Unexplained]
     ) -> None:
-        length = b.node.arclength - a.node.arclength
-        changes = self._changes(a, b)
-        if not changes.any and not self._unsettled(a, b, changes, length):
-            return
-        middle = self.between(a, b, 0.5)
-        kind = self.classify(changes) if changes.any else None
-        if (
-            kind
-            and middle
-            and self._straight(a, middle, b, changes)
-            and not self._unsettled(a, b, changes, length)
-        ):
-            point = self.locate(kind, a, b, changes)
+        # breadth first: noise in one part must not use up the probes of another
+        intervals, probes = deque([(a, b)]), 0
+        while intervals:
+            a, b = intervals.popleft()
+            changes = self._changes(a, b)
+            unsettled = self._unsettled(a, b)
+            if not changes.any and not unsettled:
+                continue
+            length = b.node.arclength - a.node.arclength
+            middle = self.between(a, b, 0.5) if length > _SHORTEST and probes < _MOST_PROBES else None
+            probes += 1
+            kind = self.classify(changes) if changes.any else None
+            point = None
+            if kind and (middle is None or not unsettled and self._straight(a, middle, b, changes)):
+                point = self.locate(kind, a, b, changes)
             if point is not None:
                 points.append(point)
-                return
-        if depth < _DEEPEST and middle is not None:
-            # the second half's eigenvalues follow the middle's order
-            b = Probe(b.node, kernel.matched(middle.watched, b.watched), b.pace)
-            self._explain(a, middle, depth + 1, points, unexplained)
-            self._explain(middle, b, depth + 1, points, unexplained)
-            return
-        point = self.locate(kind, a, b, changes) if kind else None
-        if point is not None:
-            points.append(point)
-        elif b.count != a.count:
-            where = tuple(self._parameters(p.node) for p in (a, b))
-            between = (a.node.arclength, b.node.arclength)
-            unexplained.append(Unexplained(between, where, b.count - a.count))  # type: ignore[arg-type]
+            elif middle is not None:
+                # the second half's eigenvalues follow the middle's order
+                last = Probe(b.node, kernel.matched(middle.watched, b.watched), b.pace)
+                intervals += [(a, middle), (middle, last)]
+            elif b.count != a.count:
+                where = (self._parameters(a.node), self._parameters(b.node))
+                unexplained.append(
+                    Unexplained((a.node.arclength, b.node.arclength), where, b.count - a.count)
+                )
 
     def between(self, a: Probe, b: Probe, fraction: float) -> Probe | None:
         """A probe between two others; None where Newton fails."""
@@ -126,21 +132,30 @@ class Inspector:
         return Probe(node, watched, pace)
 
     def _changes(self, a: Probe, b: Probe) -> Changes:
-        crossed = np.flatnonzero(a.watched.real * b.watched.real < 0)
-        real = tuple(k for k in crossed if a.watched[k].imag == 0 == b.watched[k].imag)
-        tests = tuple(bool(s) for s in a.node.tests * b.node.tests < 0)
-        return Changes(tests, real, tuple(k for k in crossed if k not in real))  # type: ignore[arg-type]
+        # a value of exactly zero counts as negative, so that a node right on an event hides nothing
+        crossed = np.flatnonzero(((a.watched.real > 0) != (b.watched.real > 0)) & ~self._noise(a, b))
+        real = tuple(int(k) for k in crossed if a.watched[k].imag == 0 == b.watched[k].imag)
+        pairs = tuple(int(k) for k in crossed if k not in real)
+        fold, branch = (a.node.tests > 0) != (b.node.tests > 0)
+        return Changes((bool(fold), bool(branch)), real, pairs)
 
-    def _unsettled(self, a: Probe, b: Probe, changes: Changes, length: float) -> bool:
+    @staticmethod
+    def _noise(a: Probe, b: Probe) -> np.ndarray:
+        """Which watched eigenvalues stay on the imaginary axis to rounding (k,)."""
+        return np.maximum(np.abs(a.watched.real), np.abs(b.watched.real)) <= min(a.rounding, b.rounding)
+
+    def _unsettled(self, a: Probe, b: Probe) -> bool:
         before, after = a.values, b.values
-        off = np.concatenate([np.zeros(len(before) - 2, bool), ~np.array(self.continuous)])
+        off = np.concatenate([self._noise(a, b), ~np.array(self.continuous)])
         before[off] = after[off] = 0.0
+        length = b.node.arclength - a.node.arclength
         return bool(kernel.unsettled(before, after, np.maximum(a.pace, b.pace), length))
 
     def _straight(self, a: Probe, middle: Probe, b: Probe, changes: Changes) -> bool:
         """Whether what changes sign does so once: nearly straight through the middle."""
         columns = [*changes.real, *changes.pairs]
-        columns += [len(a.watched) + k for k in (0, 1) if changes.tests[k] and self.continuous[k]]
+        if not columns:
+            columns = [len(a.watched) + k for k in (0, 1) if changes.tests[k] and self.continuous[k]]
         for k in columns:
             va, vm, vb = a.values[k], middle.values[k], b.values[k]
             if abs(vm - (va + vb) / 2) > _STRAIGHT * abs(vb - va):
