@@ -1,0 +1,65 @@
+"""Branches of equilibria and Hopf curves as lines: stable solid, unstable dashed, special points marked."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from rainwind.dynamics.results import Branch
+from rainwind.plotting import style
+
+MARKERS: Mapping[str, Mapping[str, Any]] = {
+    "fold": {"marker": "s", "markerfacecolor": "white"},
+    "hopf": {"marker": "o", "markerfacecolor": "white"},
+    "bp": {"marker": "x"},
+    "zh": {"marker": "D", "markerfacecolor": "white"},
+    "hh": {"marker": "^", "markerfacecolor": "white"},
+    "gh": {"marker": "v", "markerfacecolor": "white"},
+    "bt": {"marker": "p", "markerfacecolor": "white"},
+    "cusp": {"marker": "*"},
+}
+NAMES = {
+    "fold": "fold", "hopf": "Hopf", "bp": "branch point", "zh": "fold–Hopf", "hh": "Hopf–Hopf",
+    "gh": "generalised Hopf", "bt": "Bogdanov–Takens", "cusp": "cusp",
+}  # fmt: skip
+
+
+def draw_branch(
+    branch: Branch,
+    axes: Axes,
+    of: str = "phi",
+    *,
+    against: str | None = None,
+    scale: float = 1.0,
+    color: str = style.BLACK,
+) -> Axes:
+    """A state (times `scale`) against a parameter: stable parts solid, unstable dashed, special points marked."""
+    against = against or branch.along[0]
+    for unstable, (x, y) in branch.pieces(against, of):
+        axes.plot(x, scale * y, color=color, linestyle=style.DASHED if unstable else "-", linewidth=1.0)
+    for point in branch.points():
+        mark(axes, point.kind, point[against], scale * point[of], color=color)
+    return axes
+
+
+def mark(axes: Axes, kind: str, x: float, y: float, *, color: str = style.BLACK) -> None:
+    """One special point."""
+    axes.plot(
+        [x], [y], linestyle="", color=color, markeredgewidth=0.8, zorder=5, clip_on=False, **MARKERS[kind]
+    )
+
+
+def label_at(
+    axes: Axes, text: str, x: np.ndarray, y: np.ndarray, at: float, *, color: str = style.BLACK, **kwargs: Any
+) -> None:
+    """A direct label beside the line y(x), x rising, at x = `at`, in points off it by `offset`."""
+    offset = kwargs.pop("offset", (0, 4))
+    axes.annotate(
+        text,
+        (at, float(np.interp(at, x, y))),
+        xytext=offset,
+        textcoords="offset points",
+        color=color,
+        **kwargs,
+    )
