@@ -1,0 +1,88 @@
+"""Figure 5 (section 4.1): the rivulet angle of the equilibria A, B, C and D over the wind speed.
+
+Our reading: the axis is the undisturbed wind speed (equal to the normal speed in the sample case, gamma = 0); the
+order in phi is B < D < C < A, inferred. The text prints the fold at 8 m/s: a test pins it (T2), and the number and
+kind of the equilibria (T1).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from rainwind.io.results import Table
+from rainwind.physics.model import RivuletModel
+from rainwind.plotting import style
+from rainwind.plotting.branches import draw_branch
+from rainwind.studies import paper
+from rainwind.studies.branch_tables import equilibrium_tables
+from rainwind.studies.equilibrium_map import EquilibriumMap, equilibrium_map, speed_window
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """All equilibria over wind speed."""
+
+    equilibria: EquilibriumMap
+
+    @property
+    def onset(self) -> float | None:
+        """The fold in which D begins, m/s; None without D."""
+        return self.equilibria.onset
+
+
+def compute(model: RivuletModel | None = None, *, speeds: tuple[float, float] | None = None) -> Result:
+    """Walk every branch of equilibria through the window `speeds` (m/s), by default around the model's onset."""
+    model = model or paper.model()
+    return Result(equilibrium_map(model, speeds or speed_window(model)))
+
+
+def draw(result: Result, figure: Figure) -> Figure:
+    """Angles in degrees: stable solid, unstable dashed, fold and Hopf points marked, branches named."""
+    known = result.equilibria
+    with style.journal(figure, width="single", height=72):
+        axes = figure.add_subplot()
+        for branch in known.branches:
+            draw_branch(branch, axes, "phi", scale=np.degrees(1.0))
+        axes.set(xlim=known.speeds, xlabel=style.UNDISTURBED, ylabel=r"rivulet angle $\phi$ (°)")
+        low, high = axes.get_ylim()
+        axes.set_ylim(min(-30.0, low), max(240.0, high))
+        axes.set_yticks(np.arange(-90, 361, 45))
+        axes.set_ylim(min(-30.0, low), max(240.0, high))
+        for side in known.sides:
+            if side.letter:
+                speed, state = side.states()
+                at = speed[0] + 0.8 * (speed[-1] - speed[0])
+                angle = np.degrees(np.interp(at, speed, state[:, 1]))
+                axes.annotate(
+                    side.letter, (at, angle), xytext=(0, 3), textcoords="offset points", ha="center",
+                    fontweight="bold",
+                )  # fmt: skip
+        _name_points(result, axes)
+    return figure
+
+
+def _name_points(result: Result, axes: Axes) -> None:
+    upper, across = result.equilibria["D"], result.equilibria["C"]
+    if upper is None:
+        style.note(axes, "no upper rivulet D in this window", y=0.62)
+        return
+    if result.onset is not None:
+        fold = min(upper.folds, key=lambda p: p.parameter)
+        axes.annotate(
+            f"fold {fold.parameter:.2f} m/s", (fold.parameter, np.degrees(fold["phi"])), xytext=(-5, 0),
+            textcoords="offset points", ha="right", va="center", fontsize=7,
+        )  # fmt: skip
+    for side, offset in ((across, (-2, 7)), (upper, (0, -11))):
+        for point in side.points("hopf") if side else ():
+            axes.annotate(
+                f"Hopf {point.parameter:.2f} m/s", (point.parameter, np.degrees(point["phi"])), xytext=offset,
+                textcoords="offset points", ha="center" if side is upper else "right", fontsize=7,
+                va="baseline",
+            )  # fmt: skip
+
+
+def tables(result: Result) -> dict[str, Table]:
+    """The equilibria by letter and the special points."""
+    return equilibrium_tables(result.equilibria)
