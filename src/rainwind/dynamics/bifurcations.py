@@ -8,10 +8,9 @@ import numpy as np
 from rainwind.dynamics.continuation import Equations
 from rainwind.dynamics.inspection import Changes, Inspector, Probe
 from rainwind.dynamics.kernels.equations import BRANCH, FOLD, HOPF, hopf_weights
-from rainwind.dynamics.kernels.march import orthonormal
 from rainwind.dynamics.kernels.tangents import second_order
 from rainwind.dynamics.newton import null_vectors
-from rainwind.dynamics.normalforms import fold_coefficient, lyapunov_coefficient
+from rainwind.dynamics.normalforms import critical_plane, fold_coefficient, lyapunov_coefficient
 from rainwind.dynamics.results import Certificate, SpecialPoint
 from rainwind.dynamics.system import System
 
@@ -143,12 +142,7 @@ def fold_borders(jacobian: np.ndarray) -> Borders:
 
 def hopf_borders(jacobian: np.ndarray, omega: float) -> Borders:
     """Borders of a Hopf point from the eigenvectors of J nearest to +- i omega."""
-    planes = []
-    for matrix in (jacobian.T, jacobian):
-        values, vectors = np.linalg.eig(matrix)
-        q = vectors[:, np.argmin(np.abs(values - 1j * omega))]
-        planes.append(orthonormal(np.column_stack([q.real, q.imag])))
-    left, below = planes
+    left, below = (critical_plane(matrix, omega) for matrix in (jacobian.T, jacobian))
     return left, below, hopf_weights(np.ascontiguousarray(jacobian), below, left)
 
 

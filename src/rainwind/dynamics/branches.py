@@ -7,7 +7,8 @@ import numpy as np
 
 from rainwind.dynamics.continuation import Equations, Node, Nodes, Walk
 from rainwind.dynamics.inspection import Inspector
-from rainwind.dynamics.kernels import march as kernel
+from rainwind.dynamics.kernels.equations import HOPF
+from rainwind.dynamics.kernels.screening import unstable_counts
 from rainwind.dynamics.kernels.values import values
 from rainwind.dynamics.results import Branch, Ended, SpecialPoint, Unexplained
 from rainwind.errors import InputError
@@ -88,7 +89,7 @@ def _half(
             everything = everything.followed_by(part)
     points, gaps = inspector.labels(everything)
     ended = ended or walk.ended
-    if problem.kind == kernel.HOPF:
+    if problem.kind == HOPF:
         everything, points, gaps, ended = _up_to_bogdanov_takens(everything, points, gaps, ended)
     return _Half(everything, ended, points, gaps)  # type: ignore[arg-type]
 
@@ -159,14 +160,8 @@ def _joined(kind: str, problem: Equations, halves: list[_Half]) -> Branch:
         ]
         gaps = turned + gaps
         ended = (backward.ended, forward.ended)
-    inputs = np.tile(system.inputs(np.zeros(n)), (len(u), 1))
-    inputs[:, :n] = u[:, :n]
-    for k, name in enumerate(problem.along):
-        inputs[:, system.number(name)] = u[:, n + k]
-    residual = np.max(np.abs(values(*system.tape.arrays, inputs)), axis=1)
-    unstable = np.array(
-        [np.sum(kernel.watched(problem.kind, e, x[-1]).real > 0) for e, x in zip(spectra, u, strict=True)]
-    )
+    residual = np.max(np.abs(values(*system.tape.arrays, problem.inputs(u))), axis=1)
+    unstable = unstable_counts(problem.kind, spectra, u[:, -1].copy())
     return Branch(
         kind, system.states, problem.along, dict(system.parameters), u[:, :n].copy(), u[:, n : n + q].copy(),
         spectra, unstable, s + shift, residual,

@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 
 from rainwind.dynamics.continuation import Equations, Node, point_between
 from rainwind.dynamics.inspection import Changes, Inspector, Probe
-from rainwind.dynamics.kernels import march as kernel
+from rainwind.dynamics.kernels import screening as kernel
 from rainwind.dynamics.kernels.equations import FOLD
 from rainwind.dynamics.kernels.values import values
 from rainwind.dynamics.results import Certificate, SpecialPoint

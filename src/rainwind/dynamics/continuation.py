@@ -12,7 +12,9 @@ from typing import Protocol
 import numpy as np
 
 from rainwind.dynamics.kernels import march as kernel
+from rainwind.dynamics.kernels import screening
 from rainwind.dynamics.kernels.equations import equations
+from rainwind.dynamics.kernels.values import specialised
 from rainwind.dynamics.results import Ended
 from rainwind.dynamics.system import System
 
@@ -59,13 +61,16 @@ class Equations:
     scale: np.ndarray
     tolerance: float = 1e-8
 
-    @property
-    def _model(self) -> tuple:
-        free = np.array([self.system.number(name) for name in self.along], dtype=np.int64)
-        return self.kind, self.system.tape.arrays, self.system.inputs(np.zeros(len(self.system.states))), free
-
     def __post_init__(self) -> None:
-        object.__setattr__(self, "_packed", self._model)
+        system = self.system
+        free = np.array([system.number(name) for name in self.along], dtype=np.int64)
+        inputs = system.inputs(np.zeros(len(system.states)))
+        varies = np.zeros(inputs.size, dtype=bool)
+        varies[: len(system.states)] = True
+        varies[free] = True
+        operations, template, outputs = system.tape.arrays
+        tape = (*specialised(operations, template, inputs, varies), outputs)
+        object.__setattr__(self, "_packed", (self.kind, tape, inputs, free))
 
     def no_borders(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Borders of equations that need none."""
@@ -74,21 +79,11 @@ class Equations:
 
     def correct(self, near: Node, u: np.ndarray, tangent: np.ndarray) -> Node | None:
         """The node in the hyperplane through u across the tangent; None when Newton fails."""
-        left, below, weights = near.borders or self.no_borders()
-        iterations, u, tangent, tests, spectrum, *borders = kernel.node(
-            *self._packed,
-            left,
-            below,
-            weights,
-            u,
-            tangent,
-            self.scale,
-            self.tolerance,
-            _NEWTON_LIMIT,  # type: ignore[attr-defined]
+        everywhere = np.full(len(self.along), np.inf)
+        status, nodes, _, iterations = self._march(
+            near.borders or self.no_borders(), u, tangent, -everywhere, everywhere, 0.0, 1.0, 1
         )
-        if iterations == 0:
-            return None
-        return Node(u, tangent, 0.0, iterations, tests, spectrum, tuple(borders))
+        return replace(nodes[0], iterations=iterations) if status != kernel.STEP_TOO_SMALL else None
 
     def derivatives(self, u: np.ndarray, borders: tuple[np.ndarray, np.ndarray, np.ndarray]) -> np.ndarray:
         """The Jacobian (m, len(u)) of the equations at u."""
@@ -112,17 +107,32 @@ class Equations:
         self, node: Node, lower: np.ndarray, upper: np.ndarray, step: float, largest: float, count: int
     ) -> "tuple[int, Nodes, float]":
         """Up to `count` nodes in one compiled call: status, nodes, the next step's length."""
-        left, below, weights = node.borders or self.no_borders()
-        status, done, us, tangents, steps, tests, spectra, lefts, belows, weightss, step = kernel.march(
-            *self._packed, left, below, weights, node.u, node.tangent, self.scale, lower, upper,  # type: ignore[attr-defined]
-            step, largest, smallest_step(largest), self.tolerance, _NEWTON_LIMIT, count,
+        borders = node.borders or self.no_borders()
+        status, nodes, step, _ = self._march(borders, node.u, node.tangent, lower, upper, step, largest, count)
+        return status, replace(nodes, arclength=node.arclength + nodes.arclength), step
+
+    def inputs(self, u: np.ndarray) -> np.ndarray:
+        """States and parameters (N, i) as the kernels take them, from unknowns u (N, .)."""
+        _, _, inputs, free = self._packed  # type: ignore[attr-defined]
+        at = np.tile(inputs, (len(u), 1))
+        n = len(self.system.states)
+        at[:, :n] = u[:, :n]
+        at[:, free] = u[:, n : n + len(free)]
+        return at
+
+    def _march(
+        self, borders: tuple, u: np.ndarray, tangent: np.ndarray, lower: np.ndarray, upper: np.ndarray,
+        step: float, largest: float, count: int,
+    ) -> "tuple[int, Nodes, float, int]":  # fmt: skip
+        tolerance = self.tolerance if step else 1e-3 * self.tolerance
+        status, done, us, tangents, steps, tests, lefts, belows, weightss, step, iterations = kernel.march(
+            *self._packed, *borders, u, tangent, self.scale, lower, upper, step, largest,  # type: ignore[attr-defined]
+            smallest_step(largest), tolerance, _NEWTON_LIMIT, count,
         )  # fmt: skip
-        arclength = node.arclength + np.cumsum(steps[:done])
-        nodes = Nodes(
-            us[:done], tangents[:done], arclength, tests[:done], spectra[:done],
-            (lefts[:done], belows[:done], weightss[:done]),
-        )  # fmt: skip
-        return status, nodes, step
+        spectra = screening.spectra(*self._packed[1], self.inputs(us[:done]))  # type: ignore[attr-defined]
+        borders = (lefts[:done], belows[:done], weightss[:done])
+        nodes = Nodes(us[:done], tangents[:done], np.cumsum(steps[:done]), tests[:done], spectra, borders)
+        return status, nodes, step, iterations
 
 
 @dataclass(frozen=True, eq=False)

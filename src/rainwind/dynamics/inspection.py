@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rainwind.dynamics.continuation import Equations, Node, Nodes, point_between
-from rainwind.dynamics.kernels import march as kernel
+from rainwind.dynamics.kernels import screening as kernel
 from rainwind.dynamics.results import SpecialPoint, Unexplained
 
 _SHORTEST = 1e-9  # of arclength

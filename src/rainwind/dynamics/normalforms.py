@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from rainwind.dynamics.kernels import forms as kernel
+from rainwind.dynamics.kernels.linear import orthonormal
 from rainwind.dynamics.system import System
 
 
@@ -29,8 +30,14 @@ def lyapunov_coefficient(
     Kuznetsov, Elements of Applied Bifurcation Theory, 3rd ed., eq. (5.34), with |q| = 1. Negative: stable cycles
     are born (soft onset); positive: unstable ones (hard onset). MatCont prints omega times it.
     """
-    jacobian = np.ascontiguousarray(system.jacobian(state, parameters))
-    values, vectors = np.linalg.eig(jacobian)
-    q = np.ascontiguousarray(vectors[:, np.argmin(np.abs(values - 1j * omega))].astype(complex))
+    jacobian = system.jacobian(state, parameters)
+    left_plane, plane = (critical_plane(matrix, omega) for matrix in (jacobian.T, jacobian))
     inputs = system.inputs(state, parameters)
-    return float(kernel.lyapunov_coefficient(system.tape.arrays, inputs, jacobian, omega, q))
+    return float(kernel.lyapunov_coefficient(system.tape.arrays, inputs, jacobian, omega, plane, left_plane)[0])
+
+
+def critical_plane(jacobian: np.ndarray, omega: float) -> np.ndarray:
+    """An orthonormal basis (n, 2) of the plane of the eigenvectors nearest to +- i omega."""
+    values, vectors = np.linalg.eig(jacobian)
+    q = vectors[:, np.argmin(np.abs(values - 1j * omega))]
+    return orthonormal(np.column_stack([q.real, q.imag]))

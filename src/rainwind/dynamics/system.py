@@ -20,7 +20,8 @@ class Model(Protocol):
     """The shape of a model: anything with these is a dynamical system.
 
     It may also offer `structure` (hashable: models of equal structure share a tape), `all_states(parameters)`
-    (every equilibrium, certified) and `refusal(state, parameters)` (why a state may not be used, or None).
+    (every equilibrium, certified), `refusal(state, parameters)` (why a state may not be used, or None) and `refuses`
+    (whether `refusal` ever says anything).
     """
 
     @property
@@ -156,7 +157,7 @@ def as_system(model: Any) -> System:
         model.states,
         model.parameters,
         all_states=getattr(model, "all_states", None),
-        refusal=getattr(model, "refusal", None),
+        refusal=getattr(model, "refusal", None) if getattr(model, "refuses", True) else None,
         tape=tape,  # type: ignore[arg-type]
     )
     if structure is not None:

@@ -143,6 +143,11 @@ class RivuletModel:
         at = self.letters(self._merged(parameters))
         return find_all_equilibria(at, self.coefficients, self.outside, self.degrees_of_freedom)
 
+    @property
+    def refuses(self) -> bool:
+        """Whether `refusal` ever gives a reason."""
+        return self.outside == "refuse"
+
     def refusal(self, x: Sequence[Any], p: Mapping[str, Any]) -> str | None:
         """Why the coefficients cannot be used at the states x and parameters p, or None if they can."""
         if self.outside != "refuse":

@@ -6,14 +6,14 @@ x + t v.
 """
 
 import numpy as np
-from numba import njit
 
 from rainwind.dynamics.kernels import opcodes as op
+from rainwind.dynamics.kernels.compiling import compiled, inlined
 from rainwind.dynamics.kernels.operations import operate
 from rainwind.dynamics.kernels.values import moving
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@inlined
 def _product(slots, x, y, k, first):
     """Sum of x_j y_(k-j) for j = first ... k - first, of the coefficients of slots x and y."""
     total = 0.0
@@ -22,7 +22,7 @@ def _product(slots, x, y, k, first):
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@inlined
 def _driven(slots, x, y, k, last):
     """Sum of j x_j y_(k-j) for j = 1 ... last, over k: the recurrence of z' = x' y."""
     total = 0.0
@@ -31,7 +31,7 @@ def _driven(slots, x, y, k, last):
     return total / k
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _coefficient(code, c, a, b, z, k):
     """Fill coefficient k >= 1 of an operation's slot z, and of z + 1 = s where it has two.
 
@@ -95,7 +95,7 @@ def _coefficient(code, c, a, b, z, k):
         c[z, k] = (_driven(c, a, b, k, k) - _driven(c, b, a, k, k) - _driven(c, z, s, k, k - 1)) / c[s, 0]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _values(operations, slots):
     """Fill coefficient 0 of all operations."""
     for i in range(operations.shape[0]):
@@ -106,7 +106,7 @@ def _values(operations, slots):
             slots[z + 1, 0] = second
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _higher(operations, rows, slots):
     """Fill coefficients 1 ... K of the operations numbered in `rows`; coefficient 0 is there already."""
     for row in rows:
@@ -115,7 +115,7 @@ def _higher(operations, rows, slots):
             _coefficient(code, slots, a, b, z, k)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def run_jets(operations, slots):
     """Fill slots (S, K + 1) of all operations; the rows of inputs and constants are there already."""
     _values(operations, slots)
@@ -129,7 +129,7 @@ def run_jets(operations, slots):
     _higher(operations, moving(operations, moves), slots)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def directional(operations, template, outputs, inputs, vectors, order):
     """D^order f[v, ..., v] at one point for many vectors: inputs (i,), vectors (N, i) -> (N, n)."""
     slots = np.zeros((template.size, order + 1))

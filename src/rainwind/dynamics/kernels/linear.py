@@ -1,14 +1,15 @@
-"""Small dense linear systems inside kernels.
+"""Small dense linear algebra inside kernels.
 
 For ten unknowns a call of LAPACK costs more than the elimination itself, and it raises on a singular matrix; here
 a singular matrix gives a determinant of sign 0 and an answer of infinities, which Newton takes as a failure.
 """
 
 import numpy as np
-from numba import njit
+
+from rainwind.dynamics.kernels.compiling import compiled
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def solve_many(matrix, right):
     """Solve matrix (k, k) x = right (k, r) by elimination with row pivoting; both are overwritten, right by x.
 
@@ -49,22 +50,77 @@ def solve_many(matrix, right):
     return sign
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def solve_bordered(corner, left, below, transpose):
-    """Solve [[A, B], [C', 0]] X = [0; I] for A (n, n), B and C (n, r); or the transposed system.
+    """Solve [[A, left], [below', 0]] X = [0; I] for A (n, m), left (n, .), below (m, .); or the transposed system.
 
-    Returns X[:n] (n, r) and X[n:] (r, r); of all infinities where the matrix is singular.
+    The whole matrix is square. Returns X (rows of A or, transposed, of A', then the border block), all of
+    infinities where the matrix is singular.
     """
-    n, r = left.shape
-    matrix = np.zeros((n + r, n + r))
+    n, m = corner.shape
+    size = m + left.shape[1]
+    matrix = np.zeros((size, size))
     for i in range(n):
-        for j in range(n):
-            matrix[i, j] = corner[j, i] if transpose else corner[i, j]
-        for j in range(r):
-            matrix[i, n + j] = below[i, j] if transpose else left[i, j]
-            matrix[n + j, i] = left[i, j] if transpose else below[i, j]
-    right = np.zeros((n + r, r))
-    for j in range(r):
-        right[n + j, j] = 1.0
+        for j in range(m):
+            matrix[i, j] = corner[i, j]
+        for j in range(left.shape[1]):
+            matrix[i, m + j] = left[i, j]
+    for j in range(below.shape[1]):
+        for i in range(m):
+            matrix[n + j, i] = below[i, j]
+    first = m
+    if transpose:
+        first = n
+        for i in range(size):
+            for j in range(i):
+                matrix[i, j], matrix[j, i] = matrix[j, i], matrix[i, j]
+    right = np.zeros((size, size - (m if transpose else n)))
+    for j in range(right.shape[1]):
+        right[(m if transpose else n) + j, j] = 1.0
     solve_many(matrix, right)
-    return right[:n].copy(), right[n:].copy()
+    return right[:first], right[first:]
+
+
+@compiled
+def product(a, b):
+    """a b of small matrices (n, k), (k, m)."""
+    n, m = a.shape[0], b.shape[1]
+    out = np.zeros((n, m))
+    for i in range(n):
+        for k in range(b.shape[0]):
+            factor = a[i, k]
+            for j in range(m):
+                out[i, j] += factor * b[k, j]
+    return out
+
+
+@compiled
+def transposed_product(a, b):
+    """a' b of small matrices (k, n), (k, m)."""
+    n, m = a.shape[1], b.shape[1]
+    out = np.zeros((n, m))
+    for k in range(a.shape[0]):
+        for i in range(n):
+            for j in range(m):
+                out[i, j] += a[k, i] * b[k, j]
+    return out
+
+
+@compiled
+def orthonormal(x):
+    """The two columns of x (n, 2) made orthonormal."""
+    q = x.copy()
+    n = x.shape[0]
+    for j in range(2):
+        overlap = 0.0
+        for i in range(n):
+            overlap += q[i, 0] * q[i, 1]
+        length = 0.0
+        for i in range(n):
+            if j == 1:
+                q[i, 1] -= overlap * q[i, 0]
+            length += q[i, j] * q[i, j]
+        length = np.sqrt(length)
+        for i in range(n):
+            q[i, j] /= length
+    return q

@@ -2,14 +2,13 @@
 
 import math
 
-from numba import njit
-
 from rainwind.dynamics.kernels import opcodes as op
+from rainwind.dynamics.kernels.compiling import inlined
 
 _TWO_OVER_SQRT_PI = 2.0 / math.sqrt(math.pi)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@inlined
 def operate(code, a, b):
     """The value of an operation and, where it fills two slots, the second value (else 0)."""
     if code == op.ADD:
@@ -51,7 +50,7 @@ def operate(code, a, b):
     return math.erf(a), _TWO_OVER_SQRT_PI * math.exp(-a * a)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@inlined
 def partials(code, a, b, z, second):
     """First partials f_a, f_b and the first derivative g_a of the second slot."""
     if code == op.ADD:
@@ -85,7 +84,7 @@ def partials(code, a, b, z, second):
     return second, 0.0, 0.0  # tan, tanh, erf
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@inlined
 def second_partials(code, a, b, z, second):
     """Second partials f_aa, f_ab, f_bb and the second derivative g_aa of the second slot."""
     if code == op.MUL:

@@ -5,12 +5,13 @@ solver only for real spectra; the complex one is three times slower and loses th
 """
 
 import numpy as np
-from numba import njit
+
+from rainwind.dynamics.kernels.compiling import compiled
 
 _EPS = 2.220446049250313e-16
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _balance(a):
     """Scale rows and columns by powers of two until their norms are alike: similarity, exact in binary."""
     n = a.shape[0]
@@ -40,7 +41,7 @@ def _balance(a):
                     a[j, i] *= factor
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _reflect(a, x, first, count, row_from, row_to, column_from, column_to):
     """Apply I - tau v v', which turns x (count,) into a multiple of e_1, from both sides of a."""
     rest = 0.0
@@ -72,7 +73,7 @@ def _reflect(a, x, first, count, row_from, row_to, column_from, column_to):
             a[i, first + k] -= total * x[k]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def eigenvalues(matrix):
     """Eigenvalues of a real matrix (n, n) -> (n,) complex, in no particular order; NaN if QR does not converge."""
     n = matrix.shape[0]

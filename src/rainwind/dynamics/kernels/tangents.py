@@ -5,14 +5,14 @@ vector v: this gives f, J and the matrix D_v J = B(v, .) at about four times the
 """
 
 import numpy as np
-from numba import njit
 
 from rainwind.dynamics.kernels import opcodes as op
+from rainwind.dynamics.kernels.compiling import compiled, inlined
 from rainwind.dynamics.kernels.operations import operate, partials, second_partials
 from rainwind.dynamics.kernels.values import FEW, LANES, lanes_of, moving, run_lanes, varying
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def first_order(operations, slots, tangents, active):
     """Run a tape with tangents.
 
@@ -54,7 +54,7 @@ def first_order(operations, slots, tangents, active):
                     tangents[z + 1, k] = ga * tangents[ia, k]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def jacobian_at(operations, template, outputs, inputs, directions):
     """f (n,) and its derivatives (n, m) by the inputs numbered in `directions`, at one point: inputs (i,)."""
     m, n = directions.size, outputs.size
@@ -76,7 +76,7 @@ def jacobian_at(operations, template, outputs, inputs, directions):
     return values, derivatives
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def jacobians(operations, template, outputs, inputs, directions):
     """f and its derivatives by the inputs numbered in `directions`, at N points.
 
@@ -94,7 +94,7 @@ def jacobians(operations, template, outputs, inputs, directions):
     return values, derivatives
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _steps(operations, rows, size, directions):
     """Which tangents differ from zero, and how each follows from others.
 
@@ -128,7 +128,7 @@ def _steps(operations, rows, size, directions):
     return steps[:count], begin, tangent, m + count
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@inlined
 def _each(code, lanes, z, a, b, factors, count):
     for lane in range(count):
         second = lanes[z + 1, lane] if code >= op.FIRST_WITH_TWO else 0.0
@@ -136,7 +136,7 @@ def _each(code, lanes, z, a, b, factors, count):
         factors[0, lane], factors[1, lane], factors[2, lane] = fa, fb, ga
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _partials_in_lanes(code, lanes, z, a, b, factors, count):
     if code == op.ADD:
         _each(op.ADD, lanes, z, a, b, factors, count)
@@ -150,7 +150,7 @@ def _partials_in_lanes(code, lanes, z, a, b, factors, count):
         _each(code, lanes, z, a, b, factors, count)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _jacobians_in_lanes(operations, template, outputs, inputs, directions, values, derivatives):
     """Fill values and derivatives block by block, as `values` does, along the tangents that are not zero."""
     points, m, n = derivatives.shape[0], directions.size, outputs.size
@@ -199,7 +199,7 @@ def _jacobians_in_lanes(operations, template, outputs, inputs, directions, value
                         derivatives[start + lane, j, k] = tangents[t, lane]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def second_order(operations, template, outputs, inputs, directions, v):
     """f, its derivatives along `directions`, and those derivatives' derivative along v, at one point.
 

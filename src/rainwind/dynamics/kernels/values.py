@@ -6,16 +6,16 @@ physics model about half of the operations) is computed once.
 """
 
 import numpy as np
-from numba import njit
 
 from rainwind.dynamics.kernels import opcodes as op
+from rainwind.dynamics.kernels.compiling import compiled, inlined
 from rainwind.dynamics.kernels.operations import operate
 
 LANES = 64
 FEW = 8  # points below which blocks do not pay
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def run(operations, slots):
     """Fill the slots of all operations, in order; inputs and constants are there already."""
     for i in range(operations.shape[0]):
@@ -26,7 +26,7 @@ def run(operations, slots):
             slots[z + 1] = second
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def varying(inputs, size):
     """Marks, for all slots, the inputs that are not the same at all points."""
     moves = np.zeros(size, dtype=np.bool_)
@@ -36,7 +36,7 @@ def varying(inputs, size):
     return moves
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def moving(operations, moves):
     """Numbers of the operations that depend on slots marked in `moves`; marks their slots too."""
     rows = np.empty(operations.shape[0], dtype=np.int64)
@@ -52,7 +52,21 @@ def moving(operations, moves):
     return rows[:count]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
+def specialised(operations, template, inputs, free):
+    """The tape with everything computed that depends on no input marked in `free` (i,): operations, template.
+
+    Slots keep their numbers, so outputs stay as they are. In a physics model about half of the operations go.
+    """
+    slots = template.copy()
+    slots[: inputs.size] = inputs
+    run(operations, slots)
+    moves = np.zeros(template.size, dtype=np.bool_)
+    moves[: inputs.size] = free
+    return operations[moving(operations, moves)], slots
+
+
+@compiled
 def lanes_of(operations, template, inputs):
     """All slots at the first point of inputs (N, i), repeated in each lane: (S, min(N, LANES))."""
     slots = template.copy()
@@ -64,7 +78,7 @@ def lanes_of(operations, template, inputs):
     return lanes
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@inlined
 def _each(code, lanes, z, a, b, count):
     for lane in range(count):
         value, second = operate(code, lanes[a, lane], lanes[b, lane])
@@ -73,7 +87,7 @@ def _each(code, lanes, z, a, b, count):
             lanes[z + 1, lane] = second
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def run_lanes(code, lanes, z, a, b, count):
     """Fill one operation's slots of the first `count` lanes."""
     # a known opcode leaves a loop without branches, which the compiler turns into vector instructions
@@ -89,7 +103,7 @@ def run_lanes(code, lanes, z, a, b, count):
         _each(code, lanes, z, a, b, count)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def values(operations, template, outputs, inputs):
     """f at N points: inputs (N, states + parameters) -> (N, n)."""
     points = inputs.shape[0]
