@@ -108,7 +108,9 @@ class Equations:
     ) -> "tuple[int, Nodes, float]":
         """Up to `count` nodes in one compiled call: status, nodes, the next step's length."""
         borders = node.borders or self.no_borders()
-        status, nodes, step, _ = self._march(borders, node.u, node.tangent, lower, upper, step, largest, count)
+        status, nodes, step, _ = self._march(
+            borders, node.u, node.tangent, lower, upper, step, largest, count
+        )
         return status, replace(nodes, arclength=node.arclength + nodes.arclength), step
 
     def inputs(self, u: np.ndarray) -> np.ndarray:

@@ -17,7 +17,9 @@ from rainwind.dynamics.kernels import screening as kernel
 from rainwind.dynamics.results import SpecialPoint, Unexplained
 
 _SHORTEST = 1e-9  # of arclength
-_MOST_PROBES = 500  # in one interval between nodes: values that only look like crossings could ask for millions
+_MOST_PROBES = (
+    500  # in one interval between nodes: values that only look like crossings could ask for millions
+)
 _STRAIGHT = 0.2
 _ROUNDING = 1e-13  # of a real part, as a share of the largest eigenvalue
 

@@ -33,7 +33,9 @@ def lyapunov_coefficient(
     jacobian = system.jacobian(state, parameters)
     left_plane, plane = (critical_plane(matrix, omega) for matrix in (jacobian.T, jacobian))
     inputs = system.inputs(state, parameters)
-    return float(kernel.lyapunov_coefficient(system.tape.arrays, inputs, jacobian, omega, plane, left_plane)[0])
+    return float(
+        kernel.lyapunov_coefficient(system.tape.arrays, inputs, jacobian, omega, plane, left_plane)[0]
+    )
 
 
 def critical_plane(jacobian: np.ndarray, omega: float) -> np.ndarray:

@@ -70,7 +70,10 @@ def cusp(a: float = 3.0) -> Known:
     folds = (Answer("fold", {"b": b}), Answer("fold", {"b": -b}))
     width = max(3.0 * b, 1e-6)
     curve = KnownCurve(
-        "fold", ("b", "a"), {"b": (-width, width), "a": (-a, 2.0 * a)}, (Answer("cusp", {"a": 0.0, "b": 0.0}),)
+        "fold",
+        ("b", "a"),
+        {"b": (-width, width), "a": (-a, 2.0 * a)},
+        (Answer("cusp", {"a": 0.0, "b": 0.0}),),
     )
     system = System(lambda x, p: [p.b + p.a * x.x - x.x**3], ("x",), {"a": a, "b": -2.0 * b})
     return Known(system, "b", (-2.0 * sqrt(a / 3.0),), (-2.5 * b, 2.5 * b), folds, (curve,))
@@ -114,9 +117,7 @@ def bautin() -> Known:
         {"nu": (-2.0, 3.0), "mu": (-1.0, 1.0)},
         (Answer("gh", {"mu": 0.0, "nu": 0.0}, 1.0, 0.0),),
     )
-    return Known(
-        system, "mu", (0.0, 0.0), (-1.0, 1.5), (Answer("hopf", {"mu": 0.0}, 1.0, -1.4),), (curve,)
-    )
+    return Known(system, "mu", (0.0, 0.0), (-1.0, 1.5), (Answer("hopf", {"mu": 0.0}, 1.0, -1.4),), (curve,))
 
 
 def bogdanov_takens(b2: float = -1.0, s: float = -1.0) -> Known:
@@ -173,9 +174,7 @@ def zero_hopf(b2: float = 0.5, theta: float = 1.0, s: float = -1.0, omega: float
         KnownCurve("fold", ("b2", "b1"), window, (double,)),
         KnownCurve("hopf", ("b2", "b1"), window, (general, double)),
     )
-    system = System(
-        rhs, ("x", "y", "z"), {"b1": -2.25, "b2": b2, "theta": theta, "s": s, "omega": omega}
-    )
+    system = System(rhs, ("x", "y", "z"), {"b1": -2.25, "b2": b2, "theta": theta, "s": s, "omega": omega})
     return Known(
         system,
         "b1",
@@ -252,9 +251,7 @@ def double_crossing(distance: float = 1e-3, centre: float = 0.1234) -> Known:
         return growth * x.x - x.y, x.x + growth * x.y
 
     system = System(rhs, ("x", "y"), {"mu": -0.5, "centre": centre, "distance": distance})
-    answers = tuple(
-        Answer("hopf", {"mu": centre + sign * distance / 2.0}, 1.0, -2.0) for sign in (-1.0, 1.0)
-    )
+    answers = tuple(Answer("hopf", {"mu": centre + sign * distance / 2.0}, 1.0, -2.0) for sign in (-1.0, 1.0))
     return Known(system, "mu", (0.0, 0.0), (-1.0, 1.5), answers)
 
 

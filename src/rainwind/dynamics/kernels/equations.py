@@ -12,7 +12,7 @@ import numpy as np
 
 from rainwind.dynamics.kernels.compiling import compiled
 from rainwind.dynamics.kernels.linear import product, solve_bordered, solve_many, transposed_product
-from rainwind.dynamics.kernels.tangents import jacobian_at, second_order
+from rainwind.dynamics.kernels.tangents import jacobian_at, second_orders
 
 EQUILIBRIUM = 0
 FOLD = 1
@@ -96,28 +96,29 @@ def equations(kind, tape, inputs, free, left, below, weights, u):
             big_f[i] += u[n + 1] * left[i, 0]
             big_d[i, n + 1] = left[i, 0]
     jx = product(jacobian, x) if kind == HOPF else x
-    along = np.zeros(at.size)
-    slopes = np.zeros((4, u.size))
-    for j in range(x.shape[1]):
+    pairs = x.shape[1]
+    vectors = np.zeros((2 * pairs if kind == HOPF else pairs, at.size))
+    for j in range(pairs):
         for i in range(x.shape[0]):
-            along[directions[i]] = x[i, j]
-        _, _, by_x = second_order(operations, template, outputs, at, directions, along)
-        if kind != HOPF:
-            for k in range(n + q):
-                for i in range(n):
-                    slopes[j, k] -= y[i, 0] * by_x[i, k]
-            continue
-        for i in range(n):
-            along[i] = jx[i, j]
-        _, _, by_jx = second_order(operations, template, outputs, at, directions, along)
-        # J_u J x + J J_u x
-        change = product(jacobian, by_x)
-        for i in range(2):
+            vectors[j, directions[i]] = x[i, j]
+            if kind == HOPF:
+                vectors[pairs + j, i] = jx[i, j]
+    _, _, mixed = second_orders(operations, template, outputs, at, directions, vectors)
+    slopes = np.zeros((4, u.size))
+    for j in range(pairs):
+        if kind == HOPF:  # J_u J x + J J_u x
+            change = product(jacobian, mixed[j])
             for k in range(n + q):
                 for row in range(n):
-                    slopes[2 * i + j, k] -= y[row, i] * (by_jx[row, k] + change[row, k])
-            for row in range(n):
-                slopes[2 * i + j, n + q] -= y[row, i] * x[row, j]
+                    for i in range(2):
+                        slopes[2 * i + j, k] -= y[row, i] * (mixed[pairs + j, row, k] + change[row, k])
+            for i in range(2):
+                for row in range(n):
+                    slopes[2 * i + j, n + q] -= y[row, i] * x[row, j]
+        else:
+            for k in range(n + q):
+                for i in range(n):
+                    slopes[j, k] -= y[i, 0] * mixed[j, i, k]
     for i in range(extra):
         if kind == HOPF:
             for k in range(4):

@@ -5,7 +5,7 @@ import numpy as np
 from rainwind.dynamics.kernels.compiling import compiled
 from rainwind.dynamics.kernels.jets import directional
 from rainwind.dynamics.kernels.linear import product, solve_many, transposed_product
-from rainwind.dynamics.kernels.tangents import second_order
+from rainwind.dynamics.kernels.tangents import second_orders
 
 
 @compiled
@@ -62,11 +62,12 @@ def lyapunov_coefficient(tape, at, jacobian, omega, plane, left_plane):
     p = critical_vector(transposed, -omega, left_plane)
 
     # B(a, .) and B(b, .) for q = a + i b
-    along = np.zeros(at.size)
-    along[:n] = q[:, 0]
-    _, _, by_a = second_order(operations, template, outputs, at, states, along)
-    along[:n] = q[:, 1]
-    _, _, by_b = second_order(operations, template, outputs, at, states, along)
+    vectors = np.zeros((4, at.size))
+    for i in range(n):
+        a, b = q[i, 0], q[i, 1]
+        vectors[0, i], vectors[1, i], vectors[2, i], vectors[3, i] = a, b, a + b, a - b
+    _, _, mixed = second_orders(operations, template, outputs, at, states, vectors[:2])
+    by_a, by_b = mixed[0], mixed[1]
     b_a, b_b = product(by_a, q), product(by_b, q)  # columns B(a, a), B(a, b); B(b, a), B(b, b)
 
     h11 = np.empty((n, 1))
@@ -84,10 +85,6 @@ def lyapunov_coefficient(tape, at, jacobian, omega, plane, left_plane):
         determinant *= abs(matrix[i, i])
     solve_many(big, h20)
 
-    vectors = np.zeros((4, at.size))
-    for i in range(n):
-        a, b = q[i, 0], q[i, 1]
-        vectors[0, i], vectors[1, i], vectors[2, i], vectors[3, i] = a, b, a + b, a - b
     cubes = directional(operations, template, outputs, at, vectors, 3)
 
     overlap_re = overlap_im = total_re = total_im = 0.0  # p*q and p*(...)

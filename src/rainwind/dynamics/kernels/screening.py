@@ -116,11 +116,12 @@ def screen(kind, us, arclength, tests, spectra, continuous):
             continue
         length = max(arclength[i] - arclength[i - 1], 1e-300)
         for j in range(k + 2):
-            flags[i - 1] |= values[i, j] * values[i - 1, j] < 0.0 or (values[i, j] == 0.0) != (values[i - 1, j] == 0.0)
+            flags[i - 1] |= values[i, j] * values[i - 1, j] < 0.0 or (values[i, j] == 0.0) != (
+                values[i - 1, j] == 0.0
+            )
             if j < k or continuous[j - k]:
                 speeds[i, j] = abs(values[i, j] - values[i - 1, j]) / length
         if i == 1:
             speeds[0] = speeds[1]
         flags[i - 1] |= unsettled(values[i - 1], values[i], speeds[i - 1], length)
     return flags, ordered, speeds
-

@@ -1,7 +1,7 @@
 """First and second derivatives of a tape by forward propagation, all directions in one pass.
 
-`second_order` carries, beside the tangents along unit directions, the derivative of everything along one more
-vector v: this gives f, J and the matrix D_v J = B(v, .) at about four times the cost of J.
+`second_orders` carries, beside the tangents along unit directions, the derivatives of everything along some more
+vectors v: this gives f, J and the matrices D_v J = B(v, .) in one pass.
 """
 
 import numpy as np
@@ -200,19 +200,22 @@ def _jacobians_in_lanes(operations, template, outputs, inputs, directions, value
 
 
 @compiled
-def second_order(operations, template, outputs, inputs, directions, v):
-    """f, its derivatives along `directions`, and those derivatives' derivative along v, at one point.
+def second_orders(operations, template, outputs, inputs, directions, vectors):
+    """f, its derivatives along `directions`, and those derivatives' derivatives along vectors, at one point.
 
-    inputs (i,), directions (m,), v (i,) -> f (n,), D (n, m), D_v D (n, m).
+    inputs (i,), directions (m,), vectors (r, i) -> f (n,), D (n, m), D_v D (r, n, m).
     """
-    m, n = directions.size, outputs.size
+    m, n, many = directions.size, outputs.size, vectors.shape[0]
     slots = template.copy()
     slots[: inputs.size] = inputs
-    along = np.zeros(template.size)  # derivative along v
-    along[: inputs.size] = v
+    along = np.zeros((template.size, many))  # derivatives along the vectors
     d = np.zeros((template.size, m))
-    dd = np.zeros((template.size, m))
-    active = along != 0.0  # slots of which some derivative may differ from zero
+    dd = np.zeros((many, template.size, m))
+    active = np.zeros(template.size, dtype=np.bool_)  # slots of which some derivative may differ from zero
+    for i in range(inputs.size):
+        for r in range(many):
+            along[i, r] = vectors[r, i]
+            active[i] |= vectors[r, i] != 0.0
     for k in range(m):
         d[directions[k], k] = 1.0
         active[directions[k]] = True
@@ -228,30 +231,52 @@ def second_order(operations, template, outputs, inputs, directions, v):
             continue
         active[z] = True
         fa, fb, ga = partials(code, a, b, value, second)
-        faa, fab, fbb, gaa = second_partials(code, a, b, value, second)
-        va, vb = along[ia], along[ib]
         if code <= op.DIV or code == op.ATAN2:
-            ca, cb = faa * va + fab * vb, fab * va + fbb * vb
-            along[z] = fa * va + fb * vb
             for k in range(m):
                 d[z, k] = fa * d[ia, k] + fb * d[ib, k]
-                dd[z, k] = fa * dd[ia, k] + fb * dd[ib, k] + ca * d[ia, k] + cb * d[ib, k]
         else:
-            along[z] = fa * va
             for k in range(m):
                 d[z, k] = fa * d[ia, k]
-                dd[z, k] = fa * dd[ia, k] + faa * va * d[ia, k]
+        if code <= op.SUB:  # no second derivatives
+            for r in range(many):
+                along[z, r] = fa * along[ia, r] + fb * along[ib, r]
+                for k in range(m):
+                    dd[r, z, k] = fa * dd[r, ia, k] + fb * dd[r, ib, k]
+            continue
+        faa, fab, fbb, gaa = second_partials(code, a, b, value, second)
+        for r in range(many):
+            va, vb = along[ia, r], along[ib, r]
+            if code <= op.DIV or code == op.ATAN2:
+                ca, cb = faa * va + fab * vb, fab * va + fbb * vb
+                along[z, r] = fa * va + fb * vb
+                for k in range(m):
+                    dd[r, z, k] = fa * dd[r, ia, k] + fb * dd[r, ib, k] + ca * d[ia, k] + cb * d[ib, k]
+            else:
+                along[z, r] = fa * va
+                for k in range(m):
+                    dd[r, z, k] = fa * dd[r, ia, k] + faa * va * d[ia, k]
+            if op.FIRST_WITH_TWO <= code <= op.SINHCOSH:
+                along[z + 1, r] = ga * va
+                for k in range(m):
+                    dd[r, z + 1, k] = ga * dd[r, ia, k] + gaa * va * d[ia, k]
         if op.FIRST_WITH_TWO <= code <= op.SINHCOSH:
             active[z + 1] = True
-            along[z + 1] = ga * va
             for k in range(m):
                 d[z + 1, k] = ga * d[ia, k]
-                dd[z + 1, k] = ga * dd[ia, k] + gaa * va * d[ia, k]
     f = np.empty(n)
     first = np.empty((n, m))
-    mixed = np.empty((n, m))
+    mixed = np.empty((many, n, m))
     for j in range(n):
         f[j] = slots[outputs[j]]
-        first[j] = d[outputs[j]]
-        mixed[j] = dd[outputs[j]]
+        for k in range(m):
+            first[j, k] = d[outputs[j], k]
+            for r in range(many):
+                mixed[r, j, k] = dd[r, outputs[j], k]
     return f, first, mixed
+
+
+@compiled
+def second_order(operations, template, outputs, inputs, directions, v):
+    """`second_orders` along one vector v (i,): f (n,), D (n, m), D_v D (n, m)."""
+    f, first, mixed = second_orders(operations, template, outputs, inputs, directions, v.reshape((1, v.size)))
+    return f, first, mixed[0]
