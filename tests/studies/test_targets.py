@@ -13,7 +13,7 @@ from rainwind.studies import targets_equilibria, targets_variations
 from rainwind.studies.targets import target, targets
 from rainwind.studies.targets_record import VERDICTS, Outcome, Part, Target, alike, close, falling, rising
 from rainwind.studies.targets_statements import STATEMENTS
-from rainwind.studies.targets_upper_rivulet import critical_damping, upper_rivulet
+from rainwind.studies.targets_upper_rivulet import damping_limits, upper_rivulet
 
 approx = pytest.approx
 AUTO = json.loads((Path(__file__).parents[1] / "validation/auto/reference.json").read_text(encoding="utf-8"))
@@ -114,7 +114,7 @@ def test_upper_rivulet_of_the_sample_case():
 def test_critical_damping_does_not_depend_on_where_the_search_starts():
     for ratio in (0.001, 0.002, 0.005, 0.02):
         model = paper_model().with_parameters({"section.damping_ratio": ratio})
-        assert critical_damping(model)[0] == approx(0.0069416, abs=1e-7)
+        assert damping_limits(model).critical == approx(0.0069416, abs=1e-7)
 
 
 def test_steeper_turns_about_its_angle():

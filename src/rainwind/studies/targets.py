@@ -35,9 +35,12 @@ COMPUTE: dict[str, Callable[[Any], Outcome]] = {
 
 def target(name: str, model: Any) -> Target:
     """One target, computed with `model`, which is the sample case or some change of it."""
-    statement = STATEMENTS[name]
-    fitted = statement.fitted_key in model.coefficients.notes.get("fitted", {})
-    return Target(statement, COMPUTE[name](model), fitted)
+    return Target(STATEMENTS[name], COMPUTE[name](model), is_fitted(name, model))
+
+
+def is_fitted(name: str, model: Any) -> bool:
+    """Whether the model's coefficient set was fitted to the target, as the set itself notes."""
+    return STATEMENTS[name].fitted_key in model.coefficients.notes.get("fitted", {})
 
 
 def targets(model: Any, names: Iterable[str] = tuple(STATEMENTS)) -> Iterator[Target]:

@@ -11,8 +11,7 @@ from rainwind.studies.targets_record import Outcome, Part, Rows, close
 from rainwind.studies.targets_statements import STATEMENTS
 from rainwind.studies.targets_upper_rivulet import (
     UpperRivulet,
-    critical_damping,
-    fold_hopf_damping,
+    damping_limits,
     is_lower,
     upper_rivulet,
 )
@@ -119,15 +118,15 @@ def hopf_points(model: Any) -> Outcome:
 
 def damping_that_stops_it(model: Any) -> Outcome:
     """T8, its linear part: critical damping, and the onset at several dampings."""
-    critical, leaves = critical_damping(model), fold_hopf_damping(model)
+    limits = damping_limits(model)
     at = [upper_rivulet(model, ratio=percent / 100) for percent in DAMPINGS]
-    if critical is None or any(one is None for one in at):
+    if limits.critical is None or any(one is None for one in at):
         return NO_FOLD
     uppers = [one for one in at if one is not None]
     limit, speed_limit = _tolerance("T8"), _tolerance("T2")
-    beyond = upper_rivulet(model, ratio=critical[0] + limit / 100)
+    beyond = upper_rivulet(model, ratio=limits.critical + limit / 100)
     parts = (
-        Part(f"within {limit:g} % of 0.7 %", close(100 * critical[0], 0.7, limit)),
+        Part(f"within {limit:g} % of 0.7 %", close(100 * limits.critical, 0.7, limit)),
         Part("D is stable at every speed just above it", beyond is not None and not beyond.unstable),
         Part(
             "D exists from 8 m/s on at every damping",
@@ -137,13 +136,17 @@ def damping_that_stops_it(model: Any) -> Outcome:
     pairs = zip(DAMPINGS, uppers, strict=True)
     rows = tuple((percent, one.fold.parameter, one.onset, one.end) for percent, one in pairs)
     details = Rows(("damping [%]", "fold [m/s]", "D unstable from [m/s]", "to [m/s]"), rows)
-    born = "" if leaves is None else f"; the Hopf curve leaves the fold at {100 * leaves:.4f} %: "
+    born = (
+        ""
+        if limits.leaves is None
+        else f"The Hopf curve leaves the fold at {100 * limits.leaves:.4f} %: below that D is unstable from "
+        "the fold on, above it from a somewhat higher speed. "
+    )
     note = (
-        f"linear part only: largest damping of D's Hopf curve, at {critical[1]:.2f} m/s{born}"
-        "below that D is unstable from the fold on, above it from a somewhat higher speed. "
+        f"linear part only: the largest damping of D's Hopf curve, at {limits.speed:.2f} m/s. {born}"
         "Whether limit cycles outlive the Hopf curve comes with the limit cycles"
     )
-    return Outcome(100 * critical[0], "critical damping", parts, note, details)
+    return Outcome(100 * limits.critical, "critical damping", parts, note, details)
 
 
 def _by_speed(model: Any, speeds: tuple[float, ...]) -> list[tuple[Equilibrium, ...]]:

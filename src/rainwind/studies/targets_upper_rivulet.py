@@ -1,6 +1,7 @@
 """What the targets ask of the upper rivulet: its fold, where D is unstable, how much damping stops it."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from math import cos, pi
 from typing import Any
@@ -69,28 +70,32 @@ def upper_rivulet(model: Any, *, ratio: float | None = None) -> UpperRivulet | N
     return None
 
 
-def critical_damping(model: Any) -> tuple[float, float] | None:
-    """The damping ratio above which D is stable at every wind speed, and the speed there.
+@dataclass(frozen=True)
+class DampingLimits:
+    """Damping ratios of D's Hopf curves; None where there is none below 5 %.
 
-    From the largest damping of the Hopf curves through D's Hopf points; None where there is none below 5 %.
+    critical: above it D is stable at every wind speed (at `speed`, m/s, it last was not). leaves: where the
+    Hopf curve leaves the fold; below it D is born unstable.
     """
-    best: tuple[float, float] | None = None
+
+    critical: float | None
+    speed: float | None
+    leaves: float | None
+
+
+@lru_cache(maxsize=64)
+def damping_limits(model: Any) -> DampingLimits:
+    """From the tops of the Hopf curves through D's Hopf points, and from their fold-Hopf points."""
+    critical: float | None = None
+    speed: float | None = None
+    leaves: list[float] = []
     for curve, fold_angle in hopf_curves(model):
-        on_d = curve["phi"] < fold_angle
-        ratio = np.where(on_d, curve["section.damping_ratio"], 0.0)
+        ratio = np.where(curve["phi"] < fold_angle, curve["section.damping_ratio"], 0.0)
         top = int(np.argmax(ratio))
-        if not 0 < top < len(curve) - 1:
-            continue
-        largest = _peak(curve, top)
-        if best is None or largest > best[0]:
-            best = largest, float(curve["wind.speed"][top])
-    return best
-
-
-def fold_hopf_damping(model: Any) -> float | None:
-    """The damping ratio at which the Hopf curve leaves the fold: below it D is born unstable."""
-    points = [p for curve, _ in hopf_curves(model) for p in curve.points("zh")]
-    return max((p.parameters["section.damping_ratio"] for p in points), default=None)
+        if 0 < top < len(curve) - 1 and (critical is None or _peak(curve, top) > critical):
+            critical, speed = _peak(curve, top), float(curve["wind.speed"][top])
+        leaves += [p.parameters["section.damping_ratio"] for p in curve.points("zh")]
+    return DampingLimits(critical, speed, max(leaves, default=None))
 
 
 def hopf_curves(model: Any) -> list[tuple[Branch, float]]:

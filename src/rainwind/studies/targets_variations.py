@@ -9,7 +9,7 @@ from rainwind.physics.coefficient_files import load_coefficients
 from rainwind.physics.curves import Polynomial
 from rainwind.studies import paper
 from rainwind.studies.targets_record import Outcome, Part, Rows, alike, falling, rising
-from rainwind.studies.targets_upper_rivulet import critical_damping, fold_hopf_damping, upper_rivulet
+from rainwind.studies.targets_upper_rivulet import damping_limits, upper_rivulet
 
 _SAMPLE = paper.model().parameters
 FRICTIONS = tuple(f * _SAMPLE["rivulet.friction"] for f in paper.FACTORS_OF_FRICTION)  # Nms per metre
@@ -55,13 +55,13 @@ def range_of(model: Any) -> Range:
     upper = upper_rivulet(model)
     if upper is None:
         return Range(None, None, None, None, None)
-    critical, leaves = critical_damping(model), fold_hopf_damping(model)
+    limits = damping_limits(model)
     return Range(
         upper.fold.parameter,
         upper.onset,
         upper.end,
-        None if critical is None else 100 * critical[0],
-        None if leaves is None else 100 * leaves,
+        None if limits.critical is None else 100 * limits.critical,
+        None if limits.leaves is None else 100 * limits.leaves,
     )
 
 
