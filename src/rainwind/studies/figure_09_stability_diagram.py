@@ -9,6 +9,7 @@ the fold on.
 
 from dataclasses import dataclass
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -85,7 +86,7 @@ def _name(result: Result, axes: Axes) -> None:
     onset = diagram.onset if diagram.onset is not None else low
     small = {"fontsize": 7.0}
     if onset > low:
-        axes.text(0.5 * (low + onset), 0.55 * top, "no equilibrium\nD", ha="center", va="center")
+        axes.text(0.5 * (low + onset), 0.55 * top, "no\nequilibrium\nD", ha="center", va="center")
         axes.text(
             onset + 0.012 * (high - low), 0.97 * top, f"fold {onset:.2f} m/s", ha="left", va="top", **small
         )
@@ -115,11 +116,19 @@ def _name(result: Result, axes: Axes) -> None:
                 "Hopf–Hopf", (point.parameter, ratio), xytext=(2, 5), textcoords="offset points", ha="left",
                 **small,
             )  # fmt: skip
+    on_c = [piece for piece in diagram.pieces if piece.letter == "C"]
+    if on_c:
+        piece = on_c[0]
+        at = int(np.argmin(np.abs(PERCENT * piece.ratio - 0.08 * top)))
+        axes.annotate(
+            "Hopf on C", (float(piece.speed[at]), PERCENT * float(piece.ratio[at])), xytext=(-10, -2),
+            textcoords="offset points", ha="right", arrowprops={"arrowstyle": "-", "linewidth": 0.4}, **small,
+        )  # fmt: skip
     if diagram.ratios[0] < result.sample_ratio < diagram.ratios[1]:
         sample = PERCENT * result.sample_ratio
         axes.axhline(sample, color=style.BLUE, linewidth=0.7, linestyle=style.DASHED)
         axes.text(
-            high - 0.012 * (high - low), sample, rf"sample case, $\xi$ = {sample:.3g} %", ha="right", va="bottom",
+            high - 0.012 * (high - low), sample, f"this case: {sample:.3g} %", ha="right", va="bottom",
             color=style.BLUE, **small,
         )  # fmt: skip
 

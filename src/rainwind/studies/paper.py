@@ -14,7 +14,6 @@ SAMPLE_RATIO = 0.002
 FACTORS_OF_FRICTION = (0.5, 1.0, 2.0)  # d_phi = 0.025, 0.05, 0.1 Nms: our choice, the paper's three are lost
 FACTORS_OF_FREQUENCY = (0.5, 1.0, 2.0)  # 0.5, 1, 2 Hz: our choice
 FACTORS_OF_MASS = (0.5, 1.0, 1.5)  # m_R = 0.1, 0.2, 0.3 kg/m: our choice
-GU_LU = {"rivulet.height": 0.006, "rivulet.mass": 0.08, "wind.yaw_deg": 45.0}  # section 5, figure 11
 
 
 @dataclass(frozen=True)

@@ -84,6 +84,16 @@ class StabilityDiagram:
         ]
         return tuple(sorted(found))
 
+    def unstable_at_end(self, ratio: float) -> bool:
+        """Whether D, at the highest wind speed of the window, is unstable at this damping ratio."""
+        side = self.equilibria["D"]
+        if side is None:
+            return False
+        speeds, states = side.states()
+        end = {ALONG[0]: float(speeds[-1]), ALONG[1]: ratio}
+        values = np.linalg.eigvals(as_system(self.model).jacobian(states[-1], end))
+        return bool(values.real.max() > 0)
+
     def audit(self) -> list[str]:
         """What the branches and curves say against themselves."""
         curves = [*self.equilibria.branches, *self.hopf, *([self.fold] if self.fold else [])]
@@ -265,5 +275,6 @@ def _field(known: EquilibriumMap, ratios: tuple[float, float], shape: tuple[int,
     inputs[:, system.number(ALONG[1])] = np.repeat(ratio, len(speed))
     matrices = jacobians(*system.tape.arrays, inputs, np.arange(len(system.states)))[1]
     values = np.linalg.eigvals(matrices).real.reshape(len(ratio), len(speed), -1)
-    # the fold's own zero eigenvalue counts as stable
-    return Field(speed, ratio, values.max(axis=-1), np.sum(values > 1e-9, axis=-1))
+    # the fold's own zero eigenvalue says nothing about its sides
+    values[np.abs(values) < 1e-7] = -np.inf
+    return Field(speed, ratio, values.max(axis=-1), np.sum(values > 0, axis=-1))
