@@ -2,6 +2,7 @@
 
 import csv
 import json
+import math
 import os
 import signal
 import subprocess
@@ -165,6 +166,37 @@ def test_equilibria_of_the_paper(tmp_path: Path):
         assert rows[-1]["kind"] == "stable focus"  # A, section 4.2
     assert float(rows[1]["phi [deg]"]) == pytest.approx(45, abs=2)
     assert [row["kind"] for row in rows] == ["saddle", "unstable focus", "saddle", "stable focus"]  # B D C A
+
+
+def test_equilibria_of_any_case(case: Path):
+    text = case.read_text(encoding="utf-8")
+    case.write_text(text.replace("yaw_deg = 0", "yaw_deg = 20"), encoding="utf-8")
+    turned = read_case(case)
+    assert turned.wind.yaw == pytest.approx(math.radians(20))
+    out = run("equilibria", case, "--speed", "12 m/s").out
+    (count,) = (int(line.split()[0]) for line in out.splitlines() if "at a wind speed of 12 m/s" in line)
+    # the scan of the whole circle is the physics' own; the command lists what it finds
+    assert count == len(turned.with_parameters({"wind.speed": 12.0}).all_states())
+
+
+def test_the_first_computation_says_that_it_compiles(monkeypatch: pytest.MonkeyPatch):
+    line = "compiling the numerical kernels, once for this installation (about a minute)"
+    monkeypatch.setattr("rainwind.dynamics.kernels.compiling.are_compiled", lambda: False)
+    result = run("equilibria", "--speed", "7")
+    assert line in result.err
+    assert line not in result.out
+    monkeypatch.setattr("rainwind.dynamics.kernels.compiling.are_compiled", lambda: True)
+    assert line not in run("equilibria", "--speed", "7").err
+
+
+@pytest.mark.parametrize(("command", "suffix", "start"), [
+    (("figure", "9"), ".png", b"\x89PNG"), (("figure", "5"), ".svg", b"<?xml"), (("hopf-map",), ".pdf", b"%PDF"),
+])  # fmt: skip
+def test_real_figures(case: Path, tmp_path: Path, command: tuple[str, ...], suffix: str, start: bytes):
+    out = tmp_path / f"a{suffix}"
+    run(*command, case, "--out", out)
+    assert out.read_bytes().startswith(start)
+    assert out.stat().st_size > 5000
 
 
 @pytest.mark.parametrize(("given", "speed"), [("12", 12.0), ("12 m/s", 12.0), ("36 km/h", 10.0)])

@@ -8,17 +8,22 @@ import os
 import sys
 from enum import Enum
 from importlib import import_module
-from math import degrees
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 import typer.core
 
+from rainwind.cli_output import (
+    announce_compilation,
+    equilibria_table,
+    image_path,
+    make_folder,
+    print_table,
+    print_targets,
+    progress_bar,
+)
 from rainwind.errors import InputError, RainwindError
-
-if TYPE_CHECKING:
-    from rich.console import Console
 
 __all__ = ["app", "main"]
 
@@ -126,10 +131,11 @@ def paper(
     ),
 ) -> None:
     """Reproduce the figures and numbers of Peil & Nahrath (2003)."""
-    _make_folder(out)
+    make_folder(out)
+    announce_compilation()
     run = import_module("rainwind.studies.paper_run").run
     try:
-        with _progress() as bar:
+        with progress_bar() as bar:
             task = bar.add_task("starting", total=None)
             run(
                 out,
@@ -139,7 +145,7 @@ def paper(
             )
     except KeyboardInterrupt:
         raise KeyboardInterrupt(f"stopped; what was finished is in {out}") from None
-    _print_targets(out / "targets.json")
+    print_targets(out / "targets.json")
     typer.echo(f"written to {out}: report.html, targets.json, figures and data")
 
 
@@ -156,7 +162,7 @@ def figure(
         known = ", ".join(map(str, FIGURES))
         reason = f" {_LATER[number]} and comes with a later version" if number in _LATER else " is no result"
         raise InputError(f"figure {number}{reason}; choose one of {known}")
-    out = _image_path(out or Path(f"figure_{number:02d}.png"))
+    out = image_path(out or Path(f"figure_{number:02d}.png"))
     _draw(FIGURES[number], _model(case), out)
 
 
@@ -166,7 +172,7 @@ def hopf_map(
     out: Annotated[Path, typer.Option("--out", help="Image file (.png, .svg, .pdf).")] = Path("hopf_map.png"),
 ) -> None:
     """Draw where the equilibria lose stability over wind speed and damping."""
-    _draw("hopf_map", _model(case), _image_path(out))
+    _draw("hopf_map", _model(case), image_path(out))
 
 
 @app.command()
@@ -184,12 +190,13 @@ def equilibria(
 
         model = replace_parameters(model, {"wind.speed": _speed(speed)})
     if csv_file is not None:
-        _make_folder(csv_file.parent)
+        make_folder(csv_file.parent)
+    announce_compilation()
     found = import_module("rainwind.dynamics.equilibria").find_equilibria(model)
-    header, rows = _equilibria_table(model, found)
+    header, rows = equilibria_table(model, found)
     noun = "equilibrium" if len(rows) == 1 else "equilibria"
     typer.echo(f"{len(rows)} {noun} at a wind speed of {model.wind.speed:g} m/s")
-    _print_table(header, [[f"{x:.4f}" if isinstance(x, float) else str(x) for x in row] for row in rows])
+    print_table(header, [[f"{x:.4f}" if isinstance(x, float) else str(x) for x in row] for row in rows])
     if csv_file is not None:
         with csv_file.open("w", newline="", encoding="utf-8") as file:
             csv.writer(file, lineterminator="\n").writerows([header, *rows])
@@ -208,7 +215,7 @@ def new(
         raise InputError(f"{file}: is a folder; name a file in it, such as {file / 'case.toml'}")
     if file.exists() and not force:
         raise InputError(f"{file}: exists already; choose another name or give --force to overwrite it")
-    _make_folder(file.parent)
+    make_folder(file.parent)
     file.write_text(new_case_text(), encoding="utf-8")
     typer.echo(f"written to {file}; 'rainwind equilibria {file}' computes it")
 
@@ -249,97 +256,10 @@ def _speed(text: str) -> float:
 
 
 def _draw(study: str, model: Any, out: Path) -> None:
-    _make_folder(out.parent)
+    make_folder(out.parent)
+    announce_compilation()
     import_module("rainwind.studies.paper_run").save_figure(study, out, model=model)
     typer.echo(f"written to {out}")
-
-
-def _image_path(path: Path) -> Path:
-    if path.suffix.lower() not in (".png", ".svg", ".pdf"):
-        raise InputError(f"--out {path}: '{path.suffix}' is no image format; end it with .png, .svg or .pdf")
-    return path
-
-
-def _make_folder(folder: Path) -> None:
-    """Make it now: a place that cannot be written is known before the computation, not after."""
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder}: is a file, not a folder; choose another name")
-    folder.mkdir(parents=True, exist_ok=True)
-    if not os.access(folder, os.W_OK):
-        raise InputError(f"{folder}: cannot be written to; choose another folder or change its permissions")
-
-
-def _equilibria_table(model: Any, found: Any) -> tuple[list[str], list[list[float | str]]]:
-    """The header, and a row for each equilibrium by rising angle.
-
-    phi goes from leeward, -90 deg, over the top (0 without yaw), windward (90) and the bottom round to 270.
-    """
-    lengths = [name for name in ("y", "z") if name in model.states]
-    header = ["phi [deg]", *(f"{name} [mm]" for name in lengths), "kind", "largest real part [1/s]"]
-    rows: list[list[float | str]] = []
-    for one in found:
-        growth = float(max(value.real for value in one.eigenvalues))
-        millimetres = [1000 * float(one[name]) for name in lengths]
-        rows.append([(degrees(one["phi"]) + 90) % 360 - 90, *millimetres, one.kind, growth])
-    return header, sorted(rows, key=lambda row: row[0])
-
-
-def _print_table(header: list[str], rows: list[list[str]]) -> None:
-    from rich.markup import escape
-    from rich.table import Table
-
-    table = Table(*map(escape, header))
-    for row in rows:
-        table.add_row(*map(escape, row))
-    console = _console()
-    with console.capture() as text:
-        console.print(table)
-    typer.echo(text.get(), nl=False)
-
-
-def _print_targets(path: Path) -> None:
-    import json
-
-    targets = json.loads(path.read_text(encoding="utf-8"))
-    rows = [
-        [
-            str(target["id"]),
-            str(target["what"]),
-            _number_text(target["paper"]),
-            _number_text(target["computed"]),
-            str(target["unit"] or ""),
-            "yes" if target["fitted"] else "no",
-            str(target["verdict"]),
-        ]
-        for target in targets
-    ]
-    _print_table(["id", "what", "paper", "computed", "unit", "fitted", "verdict"], rows)
-
-
-def _number_text(value: Any) -> str:
-    if isinstance(value, list):
-        return ", ".join(map(_number_text, value))
-    return "-" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
-
-
-def _console() -> "Console":
-    from rich.console import Console
-
-    # a table that is piped into a file or another program is not cut at 80 columns
-    return Console(width=None if sys.stdout.isatty() else 160)
-
-
-def _progress() -> Any:
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
-
-    return Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TaskProgressColumn(),
-        TimeRemainingColumn(),
-        console=Console(stderr=True),
-    )
 
 
 if __name__ == "__main__":
