@@ -1,0 +1,52 @@
+"""Goals without a peer: what a user waits for."""
+
+import subprocess
+import sys
+from importlib import import_module
+from statistics import median
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+import rainwind as rw
+from rainwind.dynamics.system import as_system
+
+FIGURES = (
+    "figure_04_coefficients",
+    "figure_05_equilibria",
+    "figure_06_stability",
+    "figure_09_stability_diagram",
+    "figure_10_rivulet_and_frequency",
+    "figure_11_mass_coefficients_dof",
+)
+
+
+def _median(call: Any, repeats: int) -> float:
+    call()
+    times = []
+    for _ in range(repeats):
+        begin = perf_counter()
+        call()
+        times.append(perf_counter() - begin)
+    return median(times)
+
+
+def measure(repeats: int = 11) -> list[dict[str, Any]]:
+    """One row a goal: what, the goal and the median, in seconds."""
+    system = as_system(rw.paper_model())
+    x = np.random.default_rng(0).normal(scale=0.1, size=(1000, 6))
+    studies = [import_module(f"rainwind.studies.{name}") for name in FIGURES]
+    rows = [
+        ("J at 1000 points", 1e-3, _median(lambda: system.jacobian(x), 101)),
+        ("all linear figures computed, warm", 3.0, _median(lambda: [s.compute() for s in studies], 3)),
+        (
+            "rainwind --help",
+            0.4,
+            _median(
+                lambda: subprocess.run([sys.executable, "-m", "rainwind", "--help"], capture_output=True),
+                repeats,
+            ),
+        ),
+    ]
+    return [{"what": what, "goal_s": goal, "median_s": seconds} for what, goal, seconds in rows]

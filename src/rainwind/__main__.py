@@ -1,0 +1,5 @@
+"""`python -m rainwind`: the command line."""
+
+from rainwind.cli import main
+
+main()
