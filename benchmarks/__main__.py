@@ -8,8 +8,9 @@ from datetime import date
 from importlib.metadata import version
 from pathlib import Path
 
-from benchmarks import goals, linear
 from tests.validation.auto.auto_runner import auto_directory, auto_version
+
+from benchmarks import goals, linear
 
 RESULTS = Path(__file__).parent / "results"
 

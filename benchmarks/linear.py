@@ -15,8 +15,6 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-
-import rainwind as rw
 from tests.validation.auto.auto_runner import Auto
 from tests.validation.auto.sample_case import (
     EQUATIONS,
@@ -27,6 +25,8 @@ from tests.validation.auto.sample_case import (
     fold_and_hopf_points,
     tight,
 )
+
+import rainwind as rw
 
 _SPEED, _DAMPING = "wind.speed", "section.damping_ratio"
 _WINDOW = {_SPEED: (4.0, 25.0), _DAMPING: (2e-4, 0.01)}

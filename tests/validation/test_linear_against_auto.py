@@ -8,7 +8,6 @@ import json
 
 import numpy as np
 import pytest
-from pytest import approx
 
 import rainwind as rw
 
@@ -57,8 +56,8 @@ def test_special_points_of_the_branch(kind):
     assert len(found) == len(expected) == {"fold": 1, "hopf": 2}[kind]
     for point in expected:
         ours = nearest(found, point["speed"])
-        assert ours[SPEED] == approx(point["speed"], abs=1e-7)
-        assert ours.state == approx(np.array(point["state"]), abs=1e-7)
+        assert ours[SPEED] == pytest.approx(point["speed"], abs=1e-7)
+        assert ours.state == pytest.approx(np.array(point["state"]), abs=1e-7)
         theirs = np.array([complex(*value) for value in point["eigenvalues"]])
         for value in theirs:
             # AUTO stores the point to 11 digits; at a fold the zero eigenvalue moves like the root of that
@@ -69,7 +68,7 @@ def test_special_points_of_the_branch(kind):
 def test_low_damping_has_two_hopf_points_on_d_and_one_on_c():
     _, branch = branch_d(0.0005)
     expected = sorted(p["speed"] for p in STORED["equilibria_low_damping"] if p["auto_label"] == "HB")
-    assert sorted(p[SPEED] for p in branch.points("hopf")) == approx(expected, abs=1e-7)
+    assert sorted(p[SPEED] for p in branch.points("hopf")) == pytest.approx(expected, abs=1e-7)
 
 
 @pytest.mark.parametrize("point", stored("hopf_curve", "UZ"), ids=lambda p: f"{p['speed']:.3f} m/s")
@@ -77,7 +76,7 @@ def test_hopf_speed_at_other_dampings(point):
     """AUTO's Hopf curve is met by following equilibria at its damping: another way to the same point."""
     low, high = WINDOW[DAMPING]
     _, branch = branch_d(min(max(point["damping_ratio"], low), high))
-    assert nearest(branch.points("hopf"), point["speed"])[SPEED] == approx(point["speed"], abs=1e-6)
+    assert nearest(branch.points("hopf"), point["speed"])[SPEED] == pytest.approx(point["speed"], abs=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -87,8 +86,8 @@ def test_hopf_speed_at_other_dampings(point):
 def test_codimension_two_points(curves, run, name, kind):
     expected = stored(run, name)[0]
     (ours,) = curves["fold_curve" if run == "fold_curve" else "hopf_curve"].points(kind)
-    assert ours[SPEED] == approx(expected["speed"], abs=1e-6)
-    assert ours[DAMPING] == approx(expected["damping_ratio"], abs=1e-8)
+    assert ours[SPEED] == pytest.approx(expected["speed"], abs=1e-6)
+    assert ours[DAMPING] == pytest.approx(expected["damping_ratio"], abs=1e-8)
     assert ours.certificate.holds
 
 
@@ -99,7 +98,7 @@ def test_no_generalised_hopf_point_where_auto_prints_one(curves):
 
 def test_critical_damping(curves):
     (highest,) = stored("hopf_curve", "MAX")
-    assert curves["hopf_curve"].extremum(DAMPING) == approx(highest["damping_ratio"], rel=1e-5)
+    assert curves["hopf_curve"].extremum(DAMPING) == pytest.approx(highest["damping_ratio"], rel=1e-5)
 
 
 @pytest.mark.parametrize("ds", [0.01, 0.05, 0.2, 1.0])
@@ -124,11 +123,11 @@ def test_autos_whole_branch(tmp_path):
         state = np.array([row[run.columns.index(name)] for name in model.states])
         f, jacobian, by_parameter = theirs(state, speed, 0.002)
         at = {SPEED: speed}
-        assert system.f(state, at) == approx(f, abs=1e-9)
-        assert system.jacobian(state, at) == approx(jacobian, abs=1e-9 * np.abs(jacobian).max())
+        assert system.f(state, at) == pytest.approx(f, abs=1e-9)
+        assert system.jacobian(state, at) == pytest.approx(jacobian, abs=1e-9 * np.abs(jacobian).max())
         mine = system.jacobian_parameters(state, [SPEED, DAMPING], at)
-        assert mine == approx(by_parameter, abs=1e-9 * max(1.0, np.abs(by_parameter).max()))
+        assert mine == pytest.approx(by_parameter, abs=1e-9 * max(1.0, np.abs(by_parameter).max()))
         assert np.min(np.hypot(*(ours - [state[1], speed]).T)) < 0.06  # within a step
     for point, kind in zip(fold_and_hopf_points(run), ("fold", "hopf", "hopf"), strict=True):
         speed = point.parameters[0]
-        assert nearest(branch.points(kind), speed)[SPEED] == approx(speed, abs=1e-7)
+        assert nearest(branch.points(kind), speed)[SPEED] == pytest.approx(speed, abs=1e-7)
