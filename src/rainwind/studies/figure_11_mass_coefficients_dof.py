@@ -2,8 +2,8 @@
 
 The masses are ours (0.1, 0.2, 0.3 kg/m). Of the paper's other coefficients, Gu & Lu's (2001), the moment is lost, so
 that its curve cannot be reproduced (T14: impossible): shown are our other sets, and Gu & Lu's lift and drag, from
-memory, with OUR moment, at h = 6 mm, m_R = 0.08 kg/m, gamma = 45°. With these the model has a fold and no instability
-at any damping. Tests pin the signs: a lighter rivulet has a lower onset and critical damping (T12); with two degrees
+memory, with OUR moment, at h = 6 mm, m_R = 0.08 kg/m, gamma = 45°. With these D is stable above a damping of 0.001 %:
+no instability of any practical meaning. Tests pin the signs: a lighter rivulet has a lower onset and critical damping (T12); with two degrees
 of freedom (y, phi) the onset is the same and the unstable region smaller (T13).
 """
 
@@ -20,7 +20,7 @@ from rainwind.studies import paper
 from rainwind.studies.equilibrium_map import speed_window
 from rainwind.studies.variations import Panel, draw_panel, highest, panel, panel_tables, scaled
 
-GU_LU = "Gu & Lu lift and drag, our moment"
+GU_LU = "Gu & Lu lift and drag,\nour moment"
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +49,10 @@ def compute(model: RivuletModel | None = None, *, speeds: tuple[float, float] | 
             sets.append((name, replace(model, coefficients=load_coefficients(name))))
     sets.append((GU_LU, gu_lu_with_our_moment()))
     two = [
-        (f"{n} (y, phi, z)" if n == 3 else f"{n} (y, phi)", replace(model, degrees_of_freedom=n))
+        (
+            rf"{n} ($y$, $\phi$, $z$)" if n == 3 else rf"{n} ($y$, $\phi$)",
+            replace(model, degrees_of_freedom=n),
+        )
         for n in (3, 2)
     ]
     return Result(
@@ -75,15 +78,16 @@ def draw(result: Result, figure: Figure) -> Figure:
     """Three panels with one scale of damping."""
     with style.journal(figure, width="double", height=76):
         top = highest(result.panels)
-        for axes, shown, letter in zip(figure.subplots(1, 3, sharey=True), result.panels, "abc", strict=True):
+        panels = figure.subplots(1, 3, sharey=True, gridspec_kw={"width_ratios": (1.0, 1.35, 1.0)})
+        for axes, shown, letter in zip(panels, result.panels, "abc", strict=True):
             draw_panel(axes, shown, result.speeds, top)
             style.panel(axes, letter)
             axes.set_xlabel(r"wind speed $U$ (m/s)")
             if letter == "a":
                 axes.set_ylabel(style.DAMPING)
         figure.supxlabel(
-            rf"$U$ is the undisturbed wind speed. {GU_LU}: $h$ = 6 mm, $m_R$ = 0.08 kg/m, $\gamma$ = 45°; not the "
-            "paper's curve, whose moment is lost.",
+            r"$U$ is the undisturbed wind speed. Gu & Lu lift and drag with our moment: $h$ = 6 mm, $m_R$ = 0.08 kg/m, "
+            "$\\gamma$ = 45°; not the paper's curve,\nbecause Gu & Lu's moment is lost.",
             fontsize=7.0, x=0.01, ha="left",
         )  # fmt: skip
     return figure

@@ -16,7 +16,8 @@ from rainwind.studies import paper
 from rainwind.studies.equilibrium_map import EquilibriumMap, equilibrium_map, speed_window
 
 ALONG = ("wind.speed", "section.damping_ratio")
-_SCANNED = (0.04, 0.1, 0.2, 0.4, 0.65)  # parts of the window of damping at which Hopf points are looked for
+_SCANNED = (0.03, 0.1, 0.3, 0.65)  # parts of the window of damping at which Hopf points are looked for
+_COARSE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,9 +122,9 @@ def stability_diagram(
     if known["D"] is None:
         notes += (f"no upper rivulet D between {speeds[0]:g} and {speeds[1]:g} m/s",)
     else:
-        hopf = _hopf_curves(known, ratios, letters, ds)
-        pieces = [piece for curve in hopf for piece in _pieces(known, curve)]
         fold = _fold_curve(known, ratios)
+        hopf = _hopf_curves(known, fold, ratios, letters, ds)
+        pieces = [piece for curve in hopf for piece in _pieces(known, curve)]
         if not any(piece.letter == "D" for piece in pieces):
             notes += ("D has no Hopf point in this window",)
     critical = _critical(known, [piece for piece in pieces if piece.letter == "D"], ratios)
@@ -144,25 +145,36 @@ def _one_ratio(model: RivuletModel) -> tuple[RivuletModel, tuple[str, ...]]:
 
 
 def _hopf_curves(
-    known: EquilibriumMap, ratios: tuple[float, float], letters: Sequence[str], ds: float
+    known: EquilibriumMap,
+    fold: Branch | None,
+    ratios: tuple[float, float],
+    letters: Sequence[str],
+    ds: float,
 ) -> list[Branch]:
+    """From the Hopf points met at several ratios, from fold-Hopf points, and from the other pair of each Hopf-Hopf."""
     curves: list[Branch] = []
-    until = {ALONG[0]: known.speeds, ALONG[1]: ratios}
     sides = [side for letter in letters if (side := known[letter]) is not None]
-    branches = list({id(side.branch): side.branch for side in sides}.values())
-    for part in _SCANNED:
-        ratio = ratios[0] + part * (ratios[1] - ratios[0])
-        for branch in branches:
-            start = len(branch) // 2
-            at = known.model.with_parameters({ALONG[0]: float(branch.parameter[start]), ALONG[1]: ratio})
-            walked = continue_equilibria(at, ALONG[0], start=branch.state[start], until=known.speeds)
-            for point in walked.points("hopf"):
-                if any(_on_curve(curve, point) for curve in curves):
-                    continue
-                try:
-                    curves.append(continue_hopf(at, ALONG, start=point, until=until, ds=ds))
-                except ComputationError:  # a point at the window's very edge
-                    continue
+    starts = list(fold.points("zh")) if fold else []
+    for branch in {id(side.branch): side.branch for side in sides}.values():
+        for part in _SCANNED:
+            ratio = ratios[0] + part * (ratios[1] - ratios[0])
+            middle = len(branch) // 2
+            at = known.model.with_parameters({ALONG[0]: float(branch.parameter[middle]), ALONG[1]: ratio})
+            walked = continue_equilibria(
+                at, ALONG[0], start=branch.state[middle], until=known.speeds, ds=_COARSE
+            )
+            starts += walked.points("hopf")
+    until = {ALONG[0]: known.speeds, ALONG[1]: ratios}
+    while starts:
+        point = starts.pop(0)
+        if any(_on_curve(curve, point) for curve in curves):
+            continue
+        try:
+            curve = continue_hopf(known.model, ALONG, start=point, until=until, ds=ds)
+        except ComputationError:  # a point at the window's very edge
+            continue
+        curves.append(curve)
+        starts += [replace(p, omega=p.omega[::-1]) for p in curve.points("hh") if isinstance(p.omega, tuple)]
     return curves
 
 

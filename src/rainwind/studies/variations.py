@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -64,11 +65,15 @@ def panel(
     ratios: tuple[float, float] = RATIOS,
 ) -> Panel:
     """The diagrams of labelled models in one window."""
-    return Panel(
-        name,
-        title,
-        tuple(Variant(label, stability_diagram(m, speeds, ratios, shape=None)) for label, m in models),
-    )
+    return Panel(name, title, tuple(Variant(label, _diagram(m, speeds, ratios)) for label, m in models))
+
+
+@lru_cache(maxsize=32)
+def _diagram(
+    model: RivuletModel, speeds: tuple[float, float], ratios: tuple[float, float]
+) -> StabilityDiagram:
+    # the model itself stands in every panel
+    return stability_diagram(model, speeds, ratios, shape=None)
 
 
 def scaled(model: RivuletModel, names: Sequence[str], factors: Sequence[float]) -> list[RivuletModel]:
@@ -88,13 +93,15 @@ def draw_panel(axes: Axes, shown: Panel, speeds: tuple[float, float], top: float
         if variant.onset is None:
             drawn.set_label(f"{variant.label}: no D")
             continue
-        leaves = [PERCENT * p.parameters["section.damping_ratio"] for p in diagram.points if p.kind == "zh"]
-        if limits:
-            axes.plot([variant.onset] * 2, [0.0, max(leaves, default=0.0)], color=color, linestyle=line)
-        else:
+        critical = PERCENT * (variant.critical_damping or 0.0)
+        if critical < 0.01 * top:
+            above = f"above {critical:.1g} %" if critical else "at every damping"
             drawn.set_linestyle(style.DASH_DOTTED)
-            drawn.set_label(f"{variant.label}: fold; D stable")
+            drawn.set_label(f"{variant.label}\n(fold; D stable {above})")
             draw_fold(axes, variant.onset, 0.0, top, color=color)
+            continue
+        leaves = [PERCENT * p.parameters["section.damping_ratio"] for p in diagram.points if p.kind == "zh"]
+        axes.plot([variant.onset] * 2, [0.0, max(leaves, default=0.0)], color=color, linestyle=line)
     axes.set(xlim=speeds, ylim=(0.0, top), xlabel=style.UNDISTURBED)
     axes.legend(loc="upper right", borderaxespad=0.3, title=shown.title, title_fontsize=7.0, alignment="left")
     return axes
@@ -103,7 +110,7 @@ def draw_panel(axes: Axes, shown: Panel, speeds: tuple[float, float], top: float
 def highest(panels: Sequence[Panel]) -> float:
     """The top of the axes in per cent: a little above every critical damping, 1 % if there is none."""
     found = [v.critical_damping for p in panels for v in p.variants if v.critical_damping is not None]
-    return float(np.ceil(PERCENT * max(found) * 14) / 10) if found else 1.0
+    return float(np.ceil(PERCENT * max(found) * 12) / 10) if found else 1.0
 
 
 def panel_tables(panels: Sequence[Panel]) -> dict[str, Table]:
