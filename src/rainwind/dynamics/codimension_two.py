@@ -99,9 +99,12 @@ def _described(problem: Equations, kind: str, node: Node, here: float, swing: fl
     free = dict(zip(problem.along, node.u[n : n + 2].tolist(), strict=True))
     inputs = system.inputs(state, free)
     residual = float(np.max(np.abs(values(*system.tape.arrays, inputs[None, :]))))
-    eigenvalues = np.linalg.eigvals(system.jacobian(state, free))
+    jacobian = system.jacobian(state, free)
+    eigenvalues = np.linalg.eigvals(jacobian)
     eigenvalues = eigenvalues[np.argsort(-eigenvalues.real)]
-    size = float(np.linalg.norm(eigenvalues))
+    size = float(np.linalg.norm(jacobian))
+    # a double zero moves like the root of the error
+    tolerance = (1e-6 if kind == "bt" else 1e-7) * max(1.0, size)
     omega: float | tuple[float, ...] | None = None
     lyapunov, note = None, ""
     vanishes = {
@@ -112,10 +115,9 @@ def _described(problem: Equations, kind: str, node: Node, here: float, swing: fl
     checks = {vanishes: (here, 1e-7 * max(swing, 1e-3) + 1e-12)}
     if problem.kind != FOLD and node.u[-1] > 0:
         omega = float(np.sqrt(node.u[-1]))
-        checks["real part of the pair"] = (_nearest(eigenvalues, omega), 1e-7 * size)
+        checks["real part of the pair"] = (_nearest(eigenvalues, omega), tolerance)
     if problem.kind == FOLD or kind == "zh":
-        tolerance = 1e-4 if kind == "bt" else 1e-6  # a double zero moves like the root of the error
-        checks["smallest eigenvalue"] = (float(np.min(np.abs(eigenvalues))), tolerance * max(1.0, size))
+        checks["smallest eigenvalue"] = (float(np.min(np.abs(eigenvalues))), tolerance)
     if kind == "gh":
         lyapunov = here
     if kind == "zh" and problem.kind == FOLD:

@@ -7,8 +7,9 @@ too many probes were spent.
 """
 
 from collections import deque
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -17,11 +18,12 @@ from rainwind.dynamics.kernels import screening as kernel
 from rainwind.dynamics.results import SpecialPoint, Unexplained
 
 _SHORTEST = 1e-9  # of arclength
-_MOST_PROBES = (
-    500  # in one interval between nodes: values that only look like crossings could ask for millions
-)
+_MOST_PROBES = 500  # in one interval: values that only look like crossings could ask for millions
+# the middle, or where the curve bends too sharply for Newton, as near to either end as need be
+_INSIDE = (0.5, 0.25, 0.75, 0.0625, 0.9375, 0.004, 0.996)
 _STRAIGHT = 0.2
-_ROUNDING = 1e-13  # of a real part, as a share of the largest eigenvalue
+_HASTE = 3.0
+_ROUNDING = 1e-14  # of a real part, as a share of the largest eigenvalue
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,21 +79,41 @@ class Inspector:
 
     def labels(self, nodes: Nodes) -> tuple[list[SpecialPoint], list[Unexplained]]:
         """All special points between the nodes, and the changes that none explains."""
+        continuous = np.array(self.continuous)
         flags, ordered, pace = kernel.screen(
-            self.problem.kind,
-            nodes.u,
-            nodes.arclength,
-            nodes.tests,
-            nodes.eigenvalues,
-            np.array(self.continuous),
+            self.problem.kind, nodes.u, nodes.arclength, nodes.tests, nodes.eigenvalues, continuous
         )
         points: list[SpecialPoint] = []
         unexplained: list[Unexplained] = []
-        for i in np.flatnonzero(flags):
-            a = Probe(nodes[int(i)], ordered[i], pace[i])
-            b = Probe(nodes[int(i) + 1], ordered[i + 1], pace[i + 1])
+        if not len(flags):
+            return points, unexplained
+        # the pace just before each interval and just after it; outside the walk there is none, so measure it
+        first, last = (Probe(nodes[i], ordered[i], pace[i]) for i in (0, len(nodes) - 1))
+        second, last_but_one = (Probe(nodes[i], ordered[i], pace[i]) for i in (1, len(nodes) - 2))
+        before = np.vstack([self._pace_at(first, second), pace[1:-1]])
+        after = np.vstack([pace[2:], self._pace_at(last, last_but_one)])
+        values = np.hstack([ordered.real, nodes.tests])
+        flags |= self._hasty(values[:-1], values[1:], np.maximum(before, after), np.diff(nodes.arclength))
+        for i in np.flatnonzero(flags).tolist():
+            a = Probe(nodes[i], ordered[i], before[i])
+            b = Probe(nodes[i + 1], ordered[i + 1], after[i])
             self._explain(a, b, points, unexplained)
         return sorted(points, key=lambda p: p.arclength), sorted(unexplained, key=lambda u: u.between)
+
+    def _pace_at(self, end: Probe, neighbour: Probe) -> np.ndarray:
+        """The pace right at one end of an interval."""
+        near = self.between(end, neighbour, (0.01,))
+        return end.pace if near is None else _pace(end, near)
+
+    def _hasty(self, before: np.ndarray, after: np.ndarray, pace: np.ndarray, length: Any) -> np.ndarray:
+        """Whether a value (..., k + 2) of one sign at both ends of an interval may have crossed zero and come back.
+
+        It has not when the way to zero and back is longer than what the values travel at _HASTE times their pace.
+        """
+        travel = np.maximum(np.abs(after - before), pace * np.expand_dims(length, -1))
+        near = (before * after > 0) & (np.abs(before) + np.abs(after) < _HASTE * travel)
+        near[..., -2:] &= self.continuous
+        return np.any(near, axis=-1)
 
     def _explain(
         self, a: Probe, b: Probe, points: list[SpecialPoint], unexplained: list[Unexplained]
@@ -101,15 +123,15 @@ class Inspector:
         while intervals:
             a, b = intervals.popleft()
             changes = self._changes(a, b)
-            unsettled = self._unsettled(a, b)
+            kind = self.classify(changes) if changes.any else None
+            unsettled = self._unsettled(a, b, kind, changes)
             if not changes.any and not unsettled:
                 continue
             length = b.node.arclength - a.node.arclength
-            middle = self.between(a, b, 0.5) if length > _SHORTEST and probes < _MOST_PROBES else None
+            middle = self.between(a, b, _INSIDE) if length > _SHORTEST and probes < _MOST_PROBES else None
             probes += 1
-            kind = self.classify(changes) if changes.any else None
             point = None
-            if kind and (middle is None or not unsettled and self._straight(a, middle, b, changes)):
+            if kind and (middle is None or (not unsettled and self._straight(a, middle, b, changes))):
                 point = self.locate(kind, a, b, changes)
             if point is not None:
                 points.append(point)
@@ -117,21 +139,26 @@ class Inspector:
                 # the second half's eigenvalues follow the middle's order
                 last = Probe(b.node, kernel.matched(middle.watched, b.watched), b.pace)
                 intervals += [(a, middle), (middle, last)]
-            elif b.count != a.count:
+            elif b.count != a.count or kind not in (None, "gh") or length > _SHORTEST:
                 where = (self._parameters(a.node), self._parameters(b.node))
                 unexplained.append(
                     Unexplained((a.node.arclength, b.node.arclength), where, b.count - a.count)
                 )
 
-    def between(self, a: Probe, b: Probe, fraction: float) -> Probe | None:
-        """A probe between two others; None where Newton fails."""
-        node = point_between(self.problem, a.node, b.node, fraction)
-        if node is None:
-            return None
-        watched = kernel.matched(a.watched, kernel.watched(self.problem.kind, node.eigenvalues, node.u[-1]))
-        middle = Probe(node, watched, np.zeros_like(a.pace))
-        pace = np.abs(middle.values - a.values) / max(node.arclength - a.node.arclength, 1e-300)
-        return Probe(node, watched, pace)
+    def between(self, a: Probe, b: Probe, fractions: Sequence[float]) -> Probe | None:
+        """A probe between two others at the first of some fractions where Newton finds the curve, or None."""
+        length = abs(b.node.arclength - a.node.arclength)
+        for fraction in fractions:
+            node = point_between(self.problem, a.node, b.node, fraction)
+            if node is None or max(self._distance(a.node, node), self._distance(node, b.node)) > length:
+                continue
+            watched = kernel.watched(self.problem.kind, node.eigenvalues, node.u[-1])
+            middle = Probe(node, kernel.matched(a.watched, watched), np.zeros_like(a.pace))
+            return replace(middle, pace=np.maximum(_pace(a, middle), _pace(middle, b)))
+        return None
+
+    def _distance(self, a: Node, b: Node) -> float:
+        return float(np.linalg.norm((b.u - a.u) / self.problem.scale))
 
     def _changes(self, a: Probe, b: Probe) -> Changes:
         # a value of exactly zero counts as negative, so that a node right on an event hides nothing
@@ -146,18 +173,21 @@ class Inspector:
         """Which watched eigenvalues stay on the imaginary axis to rounding (k,)."""
         return np.maximum(np.abs(a.watched.real), np.abs(b.watched.real)) <= min(a.rounding, b.rounding)
 
-    def _unsettled(self, a: Probe, b: Probe) -> bool:
+    def _unsettled(self, a: Probe, b: Probe, kind: str | None, changes: Changes) -> bool:
         before, after = a.values, b.values
-        off = np.concatenate([self._noise(a, b), ~np.array(self.continuous)])
-        before[off] = after[off] = 0.0
-        length = b.node.arclength - a.node.arclength
-        return bool(kernel.unsettled(before, after, np.maximum(a.pace, b.pace), length))
+        if kind == "bp" and not changes.real:
+            # on the branch that turns at a pitchfork the critical eigenvalue touches zero
+            before[np.argmin(np.abs(a.watched.real) + np.abs(b.watched.real))] = 0.0
+        before[:-2][self._noise(a, b)] = 0.0
+        return bool(
+            self._hasty(before, after, np.maximum(a.pace, b.pace), b.node.arclength - a.node.arclength)
+        )
 
     def _straight(self, a: Probe, middle: Probe, b: Probe, changes: Changes) -> bool:
         """Whether what changes sign does so once: nearly straight through the middle."""
         columns = [*changes.real, *changes.pairs]
         if not columns:
-            columns = [len(a.watched) + k for k in (0, 1) if changes.tests[k] and self.continuous[k]]
+            columns = [len(a.watched) + k for k in (0, 1) if changes.tests[k] and self.continuous[k]][:1]
         for k in columns:
             va, vm, vb = a.values[k], middle.values[k], b.values[k]
             if abs(vm - (va + vb) / 2) > _STRAIGHT * abs(vb - va):
@@ -167,3 +197,8 @@ class Inspector:
     def _parameters(self, node: Node) -> dict[str, float]:
         n = len(self.problem.system.states)
         return {name: float(node.u[n + k]) for k, name in enumerate(self.problem.along)}
+
+
+def _pace(a: Probe, b: Probe) -> np.ndarray:
+    """How fast the values change between two probes."""
+    return np.abs(b.values - a.values) / max(abs(b.node.arclength - a.node.arclength), 1e-300)

@@ -111,7 +111,8 @@ class Equilibrium:
 
 @dataclass(frozen=True)
 class Unexplained:
-    """A change in the number of unstable eigenvalues that no label explains, between two points."""
+    """A change that no label explains, between two points: of the number of unstable eigenvalues, or (change = 0)
+    of the sign of a test value."""
 
     between: tuple[float, float]  # arclengths
     parameters: tuple[Mapping[str, float], Mapping[str, float]]
@@ -215,8 +216,13 @@ class Branch:
             if not p.certificate.holds
         ]
         faults += [
-            f"between arclength {u.between[0]:.6g} and {u.between[1]:.6g} the number of unstable eigenvalues "
-            f"changes by {u.change:+d} and no label explains it"
+            f"between arclength {u.between[0]:.6g} and {u.between[1]:.6g} "
+            + (
+                f"the number of unstable eigenvalues changes by {u.change:+d}"
+                if u.change
+                else "a test value changes sign or touches zero"
+            )
+            + " and no label explains it"
             for u in self.unexplained
         ]
         return faults + [end.value for end in self.ended if end in _BAD_ENDS]
