@@ -124,6 +124,7 @@ def _short(record: dict[str, Any]) -> dict[str, Any]:
 
 
 def _caption(study: str) -> str:
-    """The first paragraph of the study's own words."""
-    words = (_module(study).__doc__ or study).strip()
+    """The study's own words: its CAPTION, or the first paragraph of its description."""
+    module = _module(study)
+    words = (getattr(module, "CAPTION", None) or module.__doc__ or study).strip()
     return " ".join(words.split("\n\n")[0].split())

@@ -109,14 +109,24 @@ def markdown_table(records: Sequence[Mapping[str, Any]]) -> str:
             number_text(record["computed"]),
             number_text(record["extend"]["computed"]),
             record["unit"],
-            "fitted" if record["fitted"] else "predicted",
+            "fitted" if record["fitted"] else "predicted" if record["computed"] is not None else "",
             WORDS[record["verdict"]],
             WORDS[record["extend"]["verdict"]],
         )
         for record in records
     ]
-    header = ("", "statement", "paper", "blend", "extend", "unit", "", "verdict, blend", "verdict, extend")
-    lines = [header, ("---",) * len(header), *rows]
+    header = ("", "statement", "paper", "blend", "extend", "unit", "set", "verdict, blend", "verdict, extend")
+    return _markdown(header, rows)
+
+
+def markdown_details(record: Mapping[str, Any]) -> str:
+    """The numbers behind one target, as a table of docs/paper.md."""
+    details = record["details"]
+    return _markdown(details["header"], [[number_text(cell) for cell in row] for row in details["rows"]])
+
+
+def _markdown(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    lines = [header, ["---"] * len(header), *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
 
 

@@ -80,6 +80,7 @@ class Target:
             "unit": of.unit,
             "fitted": self.fitted,
             "verdict": self.verdict,
+            "fitted_to": (of.fitted_key or "").replace("_", " ") if self.fitted else "",
             "quantity": got.quantity,
             "tolerance": of.tolerance,
             "where": of.where,
