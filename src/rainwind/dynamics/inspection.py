@@ -119,12 +119,14 @@ class Inspector:
         self, a: Probe, b: Probe, points: list[SpecialPoint], unexplained: list[Unexplained]
     ) -> None:
         # breadth first: noise in one part must not use up the probes of another
-        intervals, probes = deque([(a, b)]), 0
+        intervals, probes = deque([(a, b, False)]), 0
         while intervals:
-            a, b = intervals.popleft()
-            changes = self._changes(a, b)
+            # sure: half of an interval over which values changed sign beyond rounding
+            a, b, sure = intervals.popleft()
+            noise = self._noise(a, b) & (not sure)
+            changes = self._changes(a, b, noise)
             kind = self.classify(changes) if changes.any else None
-            unsettled = self._unsettled(a, b, kind, changes)
+            unsettled = self._unsettled(a, b, noise, kind == "bp" and not changes.real)
             if not changes.any and not unsettled:
                 continue
             length = b.node.arclength - a.node.arclength
@@ -138,7 +140,7 @@ class Inspector:
             elif middle is not None:
                 # the second half's eigenvalues follow the middle's order
                 last = Probe(b.node, kernel.matched(middle.watched, b.watched), b.pace)
-                intervals += [(a, middle), (middle, last)]
+                intervals += [(a, middle, changes.any), (middle, last, changes.any)]
             elif b.count != a.count or kind not in (None, "gh") or length > _SHORTEST:
                 where = (self._parameters(a.node), self._parameters(b.node))
                 unexplained.append(
@@ -160,9 +162,9 @@ class Inspector:
     def _distance(self, a: Node, b: Node) -> float:
         return float(np.linalg.norm((b.u - a.u) / self.problem.scale))
 
-    def _changes(self, a: Probe, b: Probe) -> Changes:
+    def _changes(self, a: Probe, b: Probe, noise: np.ndarray) -> Changes:
         # a value of exactly zero counts as negative, so that a node right on an event hides nothing
-        crossed = np.flatnonzero(((a.watched.real > 0) != (b.watched.real > 0)) & ~self._noise(a, b))
+        crossed = np.flatnonzero(((a.watched.real > 0) != (b.watched.real > 0)) & ~noise)
         real = tuple(int(k) for k in crossed if a.watched[k].imag == 0 == b.watched[k].imag)
         pairs = tuple(int(k) for k in crossed if k not in real)
         fold, branch = (a.node.tests > 0) != (b.node.tests > 0)
@@ -173,15 +175,14 @@ class Inspector:
         """Which watched eigenvalues stay on the imaginary axis to rounding (k,)."""
         return np.maximum(np.abs(a.watched.real), np.abs(b.watched.real)) <= min(a.rounding, b.rounding)
 
-    def _unsettled(self, a: Probe, b: Probe, kind: str | None, changes: Changes) -> bool:
+    def _unsettled(self, a: Probe, b: Probe, noise: np.ndarray, turns: bool) -> bool:
+        """Whether values may have crossed twice; turns: the branch turns at a pitchfork."""
         before, after = a.values, b.values
-        if kind == "bp" and not changes.real:
-            # on the branch that turns at a pitchfork the critical eigenvalue touches zero
+        before[:-2][noise] = 0.0
+        if turns:  # the critical eigenvalue touches zero there
             before[np.argmin(np.abs(a.watched.real) + np.abs(b.watched.real))] = 0.0
-        before[:-2][self._noise(a, b)] = 0.0
-        return bool(
-            self._hasty(before, after, np.maximum(a.pace, b.pace), b.node.arclength - a.node.arclength)
-        )
+        pace = np.maximum(a.pace, b.pace)
+        return bool(self._hasty(before, after, pace, b.node.arclength - a.node.arclength))
 
     def _straight(self, a: Probe, middle: Probe, b: Probe, changes: Changes) -> bool:
         """Whether what changes sign does so once: nearly straight through the middle."""
