@@ -10,6 +10,7 @@ import pytest
 
 from rainwind.physics.model import paper_model
 from rainwind.studies import targets_equilibria, targets_variations
+from rainwind.studies.figure_11_mass_coefficients_dof import gu_lu_with_our_moment
 from rainwind.studies.targets import target, targets
 from rainwind.studies.targets_record import VERDICTS, Outcome, Part, Target, alike, close, falling, rising
 from rainwind.studies.targets_statements import STATEMENTS
@@ -96,6 +97,14 @@ def test_a_worse_model_misses():
     assert target("T4", quiet).verdict == "missed"
     still = replace(paper_model(), coefficients=replace(paper_model().coefficients, moment=(0.0,)))
     assert target("T2", still).outcome == targets_equilibria.NO_FOLD
+
+
+def test_the_branch_is_found_where_c_lies_below_the_middle():
+    # Gu & Lu's lift and drag, our moment, yaw 45 deg: beta = 35 deg moves C past the cable's windward side
+    upper = upper_rivulet(gu_lu_with_our_moment())
+    assert upper is not None
+    assert 6.0 < upper.fold.parameter < 6.5  # the search of the whole circle finds two and four there
+    assert upper.unstable == ()
 
 
 def test_upper_rivulet_of_the_sample_case():

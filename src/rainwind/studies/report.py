@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib import metadata
 from importlib.resources import files
+from math import pi
 from pathlib import Path
 from typing import Any
 
@@ -27,10 +28,23 @@ WORDS = {
     "not_computed": "not computed",
     "impossible": "impossible",
 }
-UNITS = {  # of the sample case's table: what one SI number is shown as
+UNITS = {  # of the sample case's table: factor from SI, unit
+    "wind.speed": (1.0, "m/s"),
+    "wind.yaw": (180.0 / pi, "deg"),
+    "wind.density": (1.0, "kg/m³"),
+    "section.diameter": (1.0, "m"),
+    "section.mass": (1.0, "kg/m"),
+    "section.frequency_y": (1.0, "Hz"),
+    "section.frequency_z": (1.0, "Hz"),
     "section.damping_ratio": (100.0, "%"),
-    "section.inclination": (57.29577951308232, "deg"),
-    "wind.yaw": (57.29577951308232, "deg"),
+    "section.inclination": (180.0 / pi, "deg"),
+    "section.k2_y": (1.0, "N/m³"),
+    "section.k3_y": (1.0, "N/m⁴"),
+    "section.k2_z": (1.0, "N/m³"),
+    "section.k3_z": (1.0, "N/m⁴"),
+    "rivulet.mass": (1.0, "kg/m"),
+    "rivulet.height": (1.0, "m"),
+    "rivulet.friction": (1.0, "Nms/m"),
 }
 
 
@@ -159,5 +173,5 @@ def _named(point: SpecialPoint) -> str:
 
 
 def _shown(name: str, value: float) -> tuple[str, str]:
-    scale, unit = UNITS.get(name, (1.0, "SI"))
+    scale, unit = UNITS[name]
     return f"{scale * value:.6g}", unit

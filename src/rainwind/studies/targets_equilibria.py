@@ -12,7 +12,7 @@ from rainwind.studies.targets_statements import STATEMENTS
 from rainwind.studies.targets_upper_rivulet import (
     UpperRivulet,
     damping_limits,
-    is_lower,
+    lower_and_upper,
     upper_rivulet,
 )
 
@@ -26,8 +26,8 @@ def two_equilibria(model: Any) -> Outcome:
     """T1: count and types below the fold, and A's at every speed."""
     low, high = _by_speed(model, BELOW), _by_speed(model, ABOVE)
     counts = [len(found) for found in low]
-    a = [[e.kind for e in found if is_lower(e, model.beta)] for found in (*low, *high)]
-    b = [[e.kind for e in found if not is_lower(e, model.beta)] for found in low]
+    a = [[e.kind for e in lower_and_upper(found, model.beta)[0]] for found in (*low, *high)]
+    b = [[e.kind for e in lower_and_upper(found, model.beta)[1]] for found in low]
     parts = (
         Part("two equilibria at each speed below 8 m/s", all(n == 2 for n in counts)),
         Part("A is a stable focus at each speed", all(kinds == ["stable focus"] for kinds in a)),
@@ -156,13 +156,14 @@ def _by_speed(model: Any, speeds: tuple[float, ...]) -> list[tuple[Equilibrium, 
 def _named(found: tuple[Equilibrium, ...], upper: UpperRivulet, beta: float) -> list[tuple[str, Equilibrium]]:
     """A is the lower one, C and D those on the branch that turns at the fold, B the rest."""
     speed = found[0].parameters["wind.speed"]
+    lower, _ = lower_and_upper(found, beta)
     named = []
     for e in found:
         near = {
             name: abs(e["phi"] - upper.angle(speed, on_c=name == "C")) < radians(0.1) for name in ("C", "D")
         }
         on_branch = [name for name, here in near.items() if here]
-        named.append(("A" if is_lower(e, beta) else on_branch[0] if on_branch else "B", e))
+        named.append(("A" if any(e is one for one in lower) else on_branch[0] if on_branch else "B", e))
     return named
 
 

@@ -1,5 +1,6 @@
 """What the targets ask of the upper rivulet: its fold, where D is unstable, how much damping stops it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
@@ -52,9 +53,11 @@ class UpperRivulet:
         return float(np.interp(speed, along[order], phi[order]))
 
 
-def is_lower(point: Equilibrium, beta: float) -> bool:
-    """Whether the rivulet hangs below the cable's middle."""
-    return cos(point["phi"] + beta) < 0
+def lower_and_upper(found: Sequence[Equilibrium], beta: float) -> tuple[list[Equilibrium], list[Equilibrium]]:
+    """A, which hangs lowest and below the cable's middle, if there is such a one; and the others by phi."""
+    by_height = sorted(found, key=lambda e: cos(e["phi"] + beta))
+    lower = [e for e in by_height[:1] if cos(e["phi"] + beta) < 0]
+    return lower, sorted(by_height[len(lower) :], key=_phi)
 
 
 def upper_rivulet(model: Any, *, ratio: float | None = None) -> UpperRivulet | None:
@@ -63,9 +66,9 @@ def upper_rivulet(model: Any, *, ratio: float | None = None) -> UpperRivulet | N
         model = model.with_parameters({"section.damping_ratio": ratio})
     for speed in _SEARCH:
         at = model.with_parameters({"wind.speed": float(speed)})
-        above = [e for e in find_equilibria(at) if not is_lower(e, at.beta)]
+        _, above = lower_and_upper(find_equilibria(at), at.beta)
         if len(above) > 2:  # B, D, C in the order of phi
-            branch = continue_equilibria(at, "wind.speed", start=sorted(above, key=_phi)[1], until=SPEEDS)
+            branch = continue_equilibria(at, "wind.speed", start=above[1], until=SPEEDS)
             return _read(branch) if branch.points("fold") else None
     return None
 
