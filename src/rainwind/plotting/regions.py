@@ -2,6 +2,7 @@
 
 import numpy as np
 from matplotlib.axes import Axes
+from scipy.ndimage import distance_transform_edt
 
 from rainwind.plotting import style
 
@@ -41,3 +42,20 @@ def draw_hopf(
     """A piece of a Hopf curve: on D solid where it limits stability, else thin; on other equilibria dotted."""
     line, width = ("-", 1.2 if limit else 0.7) if on_d else (style.DOTTED, 0.9)
     axes.plot(speed, ratio, color=color if on_d else style.GREY, linestyle=line, linewidth=width)
+
+
+def roomiest(
+    x: np.ndarray, y: np.ndarray, inside: np.ndarray, *, shape: float = 2.2, least: float = 0.02
+) -> tuple[float, float] | None:
+    """The place (x, y) deepest inside a region (len(y), len(x)), for a text `shape` times as tight across as upward.
+
+    y is evenly spaced as drawn, x need not be. None where the region fills less than the part `least`.
+    """
+    even = np.linspace(x[0], x[-1], x.size)
+    inside = inside[:, np.abs(x[None, :] - even[:, None]).argmin(axis=1)]
+    if inside.mean() < least:
+        return None
+    sampling = (shape / inside.shape[0], 1.0 / inside.shape[1])
+    depth = np.asarray(distance_transform_edt(np.pad(inside, 1), sampling=sampling))[1:-1, 1:-1]
+    i, j = np.unravel_index(int(np.argmax(depth)), depth.shape)
+    return float(even[j]), float(y[i])

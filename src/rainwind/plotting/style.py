@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
@@ -18,7 +19,7 @@ ABSENT, STABLE, UNSTABLE = "#D9D9D9", "#FFFFFF", "#F6C9A8"
 UNDISTURBED = r"undisturbed wind speed $U$ (m/s)"
 DAMPING = r"damping ratio $\xi$ (%)"
 
-_RC = {
+_RC: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 8.0,
     "axes.labelsize": 8.0,

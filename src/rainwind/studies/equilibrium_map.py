@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import ceil, cos, floor, pi
 
 import numpy as np
@@ -137,7 +138,7 @@ def _passes(branch: Branch, speed: float, phi: float) -> bool:
 
 def _sides(branch: Branch) -> Iterator[Side]:
     cuts = [-np.inf, *(p.arclength for p in branch.points("fold")), np.inf]
-    for low, high in zip(cuts[:-1], cuts[1:], strict=True):
+    for low, high in pairwise(cuts):
         side = Side("", branch, (low, high))
         if side.inside.any():
             yield side

@@ -74,12 +74,14 @@ def _name_points(result: Result, axes: Axes) -> None:
             f"fold {fold.parameter:.2f} m/s", (fold.parameter, np.degrees(fold["phi"])), xytext=(-5, 0),
             textcoords="offset points", ha="right", va="center", fontsize=7,
         )  # fmt: skip
-    for side, offset in ((across, (-2, 7)), (upper, (0, -11))):
+    for side, beside, below in ((across, (-2, 7), (-2, 7)), (upper, (-3, -13), (0, -11))):
         for point in side.points("hopf") if side else ():
+            # next to the fold there is room on the left only
+            close = side is across or point.parameter < 1.1 * (result.onset or 0.0)
             axes.annotate(
-                f"Hopf {point.parameter:.2f} m/s", (point.parameter, np.degrees(point["phi"])), xytext=offset,
-                textcoords="offset points", ha="center" if side is upper else "right", fontsize=7,
-                va="baseline",
+                f"Hopf {point.parameter:.2f} m/s", (point.parameter, np.degrees(point["phi"])),
+                xytext=beside if close else below, textcoords="offset points",
+                ha="right" if close else "center", fontsize=7, va="baseline",
             )  # fmt: skip
 
 

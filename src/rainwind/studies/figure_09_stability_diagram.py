@@ -8,6 +8,7 @@ the fold on.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,7 +18,7 @@ from rainwind.io.results import Table
 from rainwind.physics.model import RivuletModel
 from rainwind.plotting import style
 from rainwind.plotting.branches import mark
-from rainwind.plotting.regions import draw_fold, draw_hopf, shade_absent, shade_unstable
+from rainwind.plotting.regions import draw_fold, draw_hopf, roomiest, shade_absent, shade_unstable
 from rainwind.studies import paper
 from rainwind.studies.branch_tables import diagram_tables
 from rainwind.studies.stability_diagram import StabilityDiagram, stability_diagram
@@ -42,12 +43,8 @@ def compute(
     """The diagram in a window of speeds (m/s) and damping ratios, by default around the model's onset."""
     model = model or paper.model()
     sample = model.section.damping_ratio
-    chosen = ratios or paper.RATIOS
-    diagram = stability_diagram(model, speeds, chosen)
-    needed = 1.3 * max(sample, diagram.critical[1] if diagram.critical else 0.0)
-    if ratios is None and needed > chosen[1]:
-        # a curve cut off at the window's top has its end there; three times as high is the next try
-        diagram = stability_diagram(model, diagram.speeds, (0.0, max(needed, 3 * chosen[1])))
+    window = ratios or (0.0, max(paper.RATIOS[1], 1.25 * sample))
+    diagram = stability_diagram(model, speeds, window, grow=ratios is None)
     return Result(diagram, sample)
 
 
@@ -69,6 +66,8 @@ def draw(result: Result, figure: Figure) -> Figure:
             shade_absent(axes, low, onset, bottom, top)
             draw_fold(axes, onset, bottom, top)
         for piece in diagram.pieces:
+            if piece.letter not in ("C", "D"):
+                continue
             draw_hopf(
                 axes, piece.speed, PERCENT * piece.ratio, on_d=piece.letter == "D", limit=piece.others == 0
             )
@@ -84,29 +83,33 @@ def _name(result: Result, axes: Axes) -> None:
     low, high = diagram.speeds
     top = PERCENT * diagram.ratios[1]
     onset = diagram.onset if diagram.onset is not None else low
-    small = {"fontsize": 7.0}
+    small: dict[str, Any] = {"fontsize": 7.0}
     if onset > low:
         axes.text(0.5 * (low + onset), 0.55 * top, "no\nequilibrium\nD", ha="center", va="center")
         axes.text(
             onset + 0.012 * (high - low), 0.97 * top, f"fold {onset:.2f} m/s", ha="left", va="top", **small
         )
-    unstable = diagram.field is not None and bool((diagram.field.count > 0).any())
-    if not unstable:
+    field = diagram.field
+    if field is None or not (field.count > 0).any():
         axes.text(0.5 * (onset + high), 0.5 * top, "D stable at every damping", ha="center", va="center")
         return
-    box = {"facecolor": style.UNSTABLE, "edgecolor": "none", "pad": 1.5}
-    axes.text(onset + 0.22 * (high - onset), 0.3 * top, "D unstable", ha="center", va="center", bbox=box)
-    axes.text(onset + 0.72 * (high - onset), 0.62 * top, "D stable", ha="center", va="center")
-    if diagram.critical is not None:
+    box: dict[str, Any] = {"facecolor": style.UNSTABLE, "edgecolor": "none", "pad": 1.5}
+    unstable = roomiest(field.speed, field.ratio, field.count > 0, shape=1.0, least=0.06)
+    stable = roomiest(field.speed, field.ratio, field.count == 0, shape=1.0, least=0.06)
+    if unstable is not None:
+        axes.text(unstable[0], PERCENT * unstable[1], "D unstable", ha="center", va="center", bbox=box)
+    if stable is not None:
+        axes.text(stable[0], PERCENT * stable[1], "D stable", ha="center", va="center")
+    if diagram.critical is not None and diagram.critical[1] < 0.95 * diagram.ratios[1]:
         speed, ratio = diagram.critical
-        if ratio < 0.95 * diagram.ratios[1]:
-            axes.annotate(
-                f"critical damping {PERCENT * ratio:.2f} %", (speed, PERCENT * ratio), xytext=(10, 5),
-                textcoords="offset points", **small,
-            )  # fmt: skip
+        what = "critical damping" if unstable is not None else "D unstable below"
+        axes.annotate(
+            f"{what} {PERCENT * ratio:.2f} %", (speed, PERCENT * ratio), xytext=(10, 5),
+            textcoords="offset points", **small,
+        )  # fmt: skip
     for point in diagram.points:
         ratio = PERCENT * point.parameters["section.damping_ratio"]
-        if point.kind == "zh":
+        if point.kind == "zh" and ratio > 0.15 * top:
             axes.annotate(
                 "fold–Hopf", (point.parameter, ratio), xytext=(-5, 0), textcoords="offset points", ha="right",
                 va="center", **small,
@@ -117,7 +120,7 @@ def _name(result: Result, axes: Axes) -> None:
                 **small,
             )  # fmt: skip
     on_c = [piece for piece in diagram.pieces if piece.letter == "C"]
-    if on_c:
+    if on_c and max(float(piece.ratio.max()) for piece in on_c) > 0.2 * diagram.ratios[1]:
         piece = on_c[0]
         at = int(np.argmin(np.abs(PERCENT * piece.ratio - 0.08 * top)))
         axes.annotate(

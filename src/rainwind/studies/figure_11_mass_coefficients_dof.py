@@ -2,9 +2,9 @@
 
 The masses are ours (0.1, 0.2, 0.3 kg/m). Of the paper's other coefficients, Gu & Lu's (2001), the moment is lost, so
 that its curve cannot be reproduced (T14: impossible): shown are our other sets, and Gu & Lu's lift and drag, from
-memory, with OUR moment, at h = 6 mm, m_R = 0.08 kg/m, gamma = 45°. With these D is stable above a damping of 0.001 %:
-no instability of any practical meaning. Tests pin the signs: a lighter rivulet has a lower onset and critical damping (T12); with two degrees
-of freedom (y, phi) the onset is the same and the unstable region smaller (T13).
+memory, with OUR moment, at h = 6 mm, m_R = 0.08 kg/m, gamma = 45°. With these D is stable above a damping of
+0.001 %: no instability of any practical meaning. Tests pin the signs: a lighter rivulet has a lower onset and critical
+damping (T12); with two degrees of freedom (y, phi) the onset is the same and the unstable region smaller (T13).
 """
 
 from dataclasses import dataclass, replace

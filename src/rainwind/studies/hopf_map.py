@@ -8,6 +8,7 @@ Hopf-Hopf and fold-Hopf points. All of it is linear theory of the model, whose c
 """
 
 from dataclasses import dataclass
+from textwrap import fill
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,7 +19,7 @@ from rainwind.io.results import Table
 from rainwind.physics.model import RivuletModel
 from rainwind.plotting import style
 from rainwind.plotting.branches import NAMES, mark
-from rainwind.plotting.regions import draw_fold, shade_absent
+from rainwind.plotting.regions import draw_fold, roomiest, shade_absent
 from rainwind.studies import paper
 from rainwind.studies.branch_tables import diagram_tables
 from rainwind.studies.equilibrium_map import speed_window
@@ -56,13 +57,20 @@ class Result:
         ]
         if self.unlimited_below is not None:
             said.append(
-                f"Below {PERCENT * self.unlimited_below:.3f} % D is unstable up to {last:g} m/s, the end of the map: "
-                "no upper limit of the wind speed."
+                f"Below {PERCENT * self.unlimited_below:.3f} % D is unstable at {last:g} m/s, the end of the map: "
+                "no upper limit of the wind speed there."
             )
         if self.unstable_everywhere_below is not None:
             said.append(
                 f"Below {PERCENT * self.unstable_everywhere_below:.3f} % D is unstable at every wind speed above "
                 f"{diagram.onset or diagram.speeds[0]:.2f} m/s."
+            )
+        on_d = any(piece.letter == "D" for piece in diagram.pieces)
+        if self.unlimited_below is None and on_d and diagram.critical is not None:
+            speed, ratio = diagram.critical
+            said.append(
+                f"D is unstable in a limited range of wind speeds, below a damping of {PERCENT * ratio:.3f} % "
+                f"(reached at {speed:.2f} m/s)."
             )
         return " ".join(said) or f"D has no Hopf point above a damping ratio of {lowest:g} %."
 
@@ -71,12 +79,20 @@ def compute(
     model: RivuletModel | None = None,
     *,
     speeds: tuple[float, float] | None = None,
-    ratios: tuple[float, float] = paper.MAP_RATIOS,
+    ratios: tuple[float, float] | None = None,
 ) -> Result:
     """All Hopf curves in a window of speeds (m/s; default: to five times the onset) and damping ratios."""
     model = model or paper.model()
     speeds = speeds or speed_window(model, paper.MAP_REACH)
-    diagram = stability_diagram(model, speeds, ratios, letters="ABCD", shape=(240, 160), ds=0.02)
+    diagram = stability_diagram(
+        model,
+        speeds,
+        ratios or paper.MAP_RATIOS,
+        letters="ABCD",
+        shape=(240, 160),
+        ds=0.02,
+        grow=ratios is None,
+    )
     points = tuple(
         (p.parameter, p.parameters["section.damping_ratio"]) for p in diagram.points if p.kind == "hh"
     )
@@ -115,7 +131,7 @@ def draw(result: Result, figure: Figure) -> Figure:
         axes.yaxis.set_major_locator(FixedLocator([t for t in _TICKS if bottom <= t <= top]))
         axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axes.yaxis.set_minor_formatter(NullFormatter())
-        figure.supxlabel(_wrapped(result.statement), fontsize=7.0, x=0.01, ha="left")
+        figure.supxlabel(fill(result.statement, 125), fontsize=7.0, x=0.01, ha="left")
         if diagram.equilibria["D"] is None or diagram.field is None:
             shade_absent(axes, low, high, bottom, top)
             style.note(axes, "no equilibrium D in this window", color=style.BLACK)
@@ -163,7 +179,8 @@ def _curves(result: Result, axes: Axes) -> None:
     live = [PERCENT * r for r in paper.LIVE_RATIOS]
     for ratio in live:
         axes.axhline(ratio, color=style.GREY, linewidth=0.5, linestyle=style.DASHED, zorder=0.9)
-    axes.legend(loc="upper right", ncols=2, borderaxespad=0.4)
+    if axes.get_legend_handles_labels()[0]:
+        axes.figure.legend(loc="outside upper left", ncols=6, columnspacing=1.4)  # type: ignore[union-attr]
 
 
 def _texts(result: Result, axes: Axes) -> None:
@@ -180,27 +197,23 @@ def _texts(result: Result, axes: Axes) -> None:
     if field is None:
         return
     for count, name in names.items():
-        place = _roomiest(field.count == count)
+        inside = np.where(_crossed(result), False, field.count == count)
+        place = roomiest(field.speed, field.ratio, inside, shape=1.3)
         if place is not None:
-            i, j = place
-            axes.text(field.speed[j], PERCENT * field.ratio[i], name, ha="center", va="center", fontsize=7.5)
+            axes.text(place[0], PERCENT * place[1], name, ha="center", va="center", fontsize=7.5)
 
 
-def _roomiest(inside: np.ndarray) -> tuple[int, int] | None:
-    """The grid point that lies deepest inside a region."""
-    from scipy.ndimage import distance_transform_edt
-
-    if inside.sum() < 0.01 * inside.size:
-        return None
-    depth = distance_transform_edt(np.pad(inside, 1))[1:-1, 1:-1]
-    i, j = np.unravel_index(int(np.argmax(depth)), depth.shape)
-    return int(i), int(j)
-
-
-def _wrapped(text: str, width: int = 125) -> str:
-    from textwrap import fill
-
-    return fill(text, width)
+def _crossed(result: Result) -> np.ndarray:
+    """The cells of the field that a Hopf curve of another equilibrium passes: no place for text."""
+    field = result.diagram.field
+    assert field is not None
+    crossed = np.zeros(field.count.shape, dtype=bool)
+    for piece in result.diagram.pieces:
+        if piece.letter != "D":
+            columns = np.clip(np.searchsorted(field.speed, piece.speed), 0, field.speed.size - 1)
+            rows = np.clip(np.searchsorted(field.ratio, piece.ratio), 0, field.ratio.size - 1)
+            crossed[rows, columns] = True
+    return crossed
 
 
 def tables(result: Result) -> dict[str, Table]:

@@ -109,11 +109,14 @@ def stability_diagram(
     letters: Sequence[str] = ("C", "D"),
     shape: tuple[int, int] | None = (160, 100),
     ds: float = 0.05,
+    grow: bool = True,
 ) -> StabilityDiagram:
     """The diagram of one model; `speeds` are chosen around its onset if left out.
 
     Hopf curves start from all Hopf points that the branches of `letters` pass at several damping ratios. shape:
-    points of the field in speed and ratio, None for no field. A model without D gives a diagram that says so.
+    points of the field in speed and ratio, None for no field. grow: raise the window's top, fourfold
+    and no more than to critical damping, while the Hopf curve of D leaves through it. A model without D gives a
+    diagram that says so.
     """
     model, notes = _one_ratio(model)
     speeds = speeds or speed_window(model)
@@ -127,6 +130,10 @@ def stability_diagram(
         pieces = [piece for curve in hopf for piece in _pieces(known, curve)]
         if not any(piece.letter == "D" for piece in pieces):
             notes += ("D has no Hopf point in this window",)
+    on_d = [float(piece.ratio.max()) for piece in pieces if piece.letter == "D"]
+    if grow and on_d and max(on_d) > 0.98 * ratios[1] and ratios[1] < 0.5:
+        higher = (ratios[0], 4 * ratios[1])
+        return stability_diagram(model, speeds, higher, letters=letters, shape=shape, ds=ds)
     critical = _critical(known, [piece for piece in pieces if piece.letter == "D"], ratios)
     points = _once([*(p for c in hopf for p in c.special), *(fold.special if fold else ())])
     field = _field(known, ratios, shape) if shape and known["D"] else None

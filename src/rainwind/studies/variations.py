@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 from rainwind.io.results import Table
 from rainwind.physics.model import RivuletModel
@@ -91,11 +92,11 @@ def draw_panel(axes: Axes, shown: Panel, speeds: tuple[float, float], top: float
         for piece in limits:
             axes.plot(piece.speed, PERCENT * piece.ratio, color=color, linestyle=line)
         if variant.onset is None:
-            drawn.set_label(f"{variant.label}: no D")
+            drawn.set_label(f"{variant.label}: no D here")
             continue
         critical = PERCENT * (variant.critical_damping or 0.0)
         if critical < 0.01 * top:
-            above = f"above {critical:.1g} %" if critical else "at every damping"
+            above = f"above about {critical:.1g} %" if critical else "at every damping"
             drawn.set_linestyle(style.DASH_DOTTED)
             drawn.set_label(f"{variant.label}\n(fold; D stable {above})")
             draw_fold(axes, variant.onset, 0.0, top, color=color)
@@ -103,6 +104,7 @@ def draw_panel(axes: Axes, shown: Panel, speeds: tuple[float, float], top: float
         leaves = [PERCENT * p.parameters["section.damping_ratio"] for p in diagram.points if p.kind == "zh"]
         axes.plot([variant.onset] * 2, [0.0, max(leaves, default=0.0)], color=color, linestyle=line)
     axes.set(xlim=speeds, ylim=(0.0, top), xlabel=style.UNDISTURBED)
+    axes.xaxis.set_major_locator(MaxNLocator(5))
     axes.legend(loc="upper right", borderaxespad=0.3, title=shown.title, title_fontsize=7.0, alignment="left")
     return axes
 
@@ -116,7 +118,9 @@ def highest(panels: Sequence[Panel]) -> float:
 def panel_tables(panels: Sequence[Panel]) -> dict[str, Table]:
     """The tables of every variant's diagram, as panel_number_table."""
     return {
-        f"{shown.name}_{number}_{name}": Table(table.columns, {**table.attributes, "variant": variant.label})
+        f"{shown.name}_{number}_{name}": Table(
+            table.columns, {**table.attributes, "variant": " ".join(variant.label.split())}
+        )
         for shown in panels
         for number, variant in enumerate(shown.variants, 1)
         for name, table in diagram_tables(variant.diagram).items()
