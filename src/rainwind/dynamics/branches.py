@@ -10,19 +10,38 @@ from rainwind.dynamics.inspection import Inspector
 from rainwind.dynamics.kernels.equations import HOPF
 from rainwind.dynamics.kernels.screening import unstable_counts
 from rainwind.dynamics.kernels.values import values
-from rainwind.dynamics.results import Branch, Ended, SpecialPoint, Unexplained
+from rainwind.dynamics.results import Branch, Ended, Equilibrium, SpecialPoint, Unexplained
+from rainwind.dynamics.system import System, number
 from rainwind.errors import InputError
 
 
 def window_of(name: str, until: Sequence[float]) -> tuple[float, float]:
     """The bounds (low, high) of a parameter. Raises InputError."""
     try:
-        low, high = (float(bound) for bound in until)
+        low, high = until
     except (TypeError, ValueError):
         raise InputError(f"until for {name} must be two numbers (low, high); got {until!r}") from None
-    if not (np.isfinite(low) and np.isfinite(high) and low < high):
-        raise InputError(f"until for {name} = ({low}, {high}): both must be finite, the first the smaller")
+    low, high = number(low, f"the lower bound of {name}"), number(high, f"the upper bound of {name}")
+    if not low < high:
+        raise InputError(f"until for {name} = ({low:g}, {high:g}): the first must be the smaller")
     return low, high
+
+
+def check_steps(ds: float, limit: int) -> None:
+    """Raises InputError for a step or a limit that is not positive."""
+    if number(ds, "ds") <= 0:
+        raise InputError(f"ds = {ds!r}: the step of arclength must be a positive number")
+    if number(limit, "limit") < 1:
+        raise InputError(f"limit = {limit}: at least one point a direction is needed")
+
+
+def check_states(system: System, start: Equilibrium | SpecialPoint) -> None:
+    """Raises InputError for a start that belongs to another system."""
+    if start.states != system.states:
+        raise InputError(
+            f"start has the states {', '.join(start.states)}, the system has {', '.join(system.states)}; "
+            "give a point of this system"
+        )
 
 
 def follow(
@@ -35,14 +54,7 @@ def follow(
     ds: float,
     limit: int,
 ) -> Branch:
-    """Walk from a node both ways within the window and label what lies between.
-
-    Raises InputError for a step or limit that is not positive.
-    """
-    if not (np.isfinite(ds) and ds > 0):
-        raise InputError(f"ds = {ds!r}: the step of arclength must be a positive number")
-    if limit < 1:
-        raise InputError(f"limit = {limit}: at least one point a direction is needed")
+    """Walk from a node both ways within the window and label what lies between."""
     ahead = _half(problem, start, window, inspector, ds, limit)
     halves = [ahead]
     if ahead.ended is not Ended.CLOSED:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from rainwind.dynamics.bifurcations import fold_borders, hopf_borders, solve_fold, solve_hopf
-from rainwind.dynamics.branches import follow, window_of
+from rainwind.dynamics.branches import check_states, check_steps, follow, window_of
 from rainwind.dynamics.codimension_two import fold_curve_inspector, hopf_curve_inspector
 from rainwind.dynamics.continuation import Equations, Node
 from rainwind.dynamics.kernels.equations import FOLD, HOPF
@@ -62,14 +62,17 @@ def _curve(
     ds: float,
     limit: int,
 ) -> Branch:
-    along = tuple(along)
+    check_steps(ds, limit)
+    check_states(system, start)
+    along = (along,) if isinstance(along, str) else tuple(along)
     window = _windows(system, along, until)
     known = {name: value for name, value in start.parameters.items() if name in system.parameters}
     system = system.with_parameters(known)
     for name, (low, high) in zip(along, window, strict=True):
         if not low <= system.parameters[name] <= high:
             raise InputError(
-                f"start: {name} = {system.parameters[name]:g} lies outside until = ({low:g}, {high:g}); move one of them"
+                f"start: {name} = {system.parameters[name]:g} lies outside until = ({low:g}, {high:g}); "
+                "move one of them"
             )
     n = len(system.states)
     scale = np.append(state_scale(start.state), [(high - low) / 20.0 for low, high in window])
@@ -109,6 +112,10 @@ def _windows(
 ) -> list[tuple[float, float]]:
     if len(along) != 2 or along[0] == along[1]:
         raise InputError(f"a curve needs two different parameters, for example ('a', 'b'); got {along!r}")
+    if not isinstance(until, Mapping):
+        raise InputError(
+            f"until needs a window by name, for example {{'{along[0]}': (low, high), ...}}; got {until!r}"
+        )
     for name in (*along, *until):
         if name not in system.parameters:
             raise unknown_name(name, system.parameters, "parameter")

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from rainwind.dynamics.bifurcations import equilibrium_inspector
-from rainwind.dynamics.branches import follow, window_of
-from rainwind.dynamics.continuation import Equations, Node
+from rainwind.dynamics.branches import check_states, check_steps, follow, window_of
+from rainwind.dynamics.continuation import Equations, Node, smallest_step
 from rainwind.dynamics.kernels.equations import EQUILIBRIUM
 from rainwind.dynamics.newton import null_vectors, solve_equilibrium, state_scale
 from rainwind.dynamics.results import Branch, Equilibrium, SpecialPoint
@@ -71,11 +71,13 @@ def continue_equilibria(
     Raises InputError for bad input and ComputationError when not even the start could be computed.
     """
     system = as_system(model)
+    if not isinstance(along, str) or along not in system.parameters:
+        raise unknown_name(str(along), system.parameters, "parameter")
     low, high = window_of(along, until)
-    if along not in system.parameters:
-        raise unknown_name(along, system.parameters, "parameter")
+    check_steps(ds, limit)
     value = system.parameters[along]
     if isinstance(start, Equilibrium | SpecialPoint):
+        check_states(system, start)
         system = system.with_parameters({k: v for k, v in start.parameters.items() if k in system.parameters})
         value = system.parameters[along]
     if not low <= value <= high:
@@ -91,6 +93,7 @@ def continue_equilibria(
     if isinstance(start, SpecialPoint) and start.crossing is not None:
         tangent = start.crossing / scale
         tangent /= np.linalg.norm(tangent)
+        node = _beside(problem, u, tangent, ds)
     else:
         if not isinstance(start, SpecialPoint):
             solution = solve_equilibrium(system, guess)
@@ -103,7 +106,7 @@ def continue_equilibria(
         tangent = null_vectors(_derivatives(system, along, u) * scale, 1)[1][:, 0]
         if tangent[-1] < 0:
             tangent = -tangent
-    node = problem.correct(Node(u, tangent), u, tangent)
+        node = problem.correct(Node(u, tangent), u, tangent)
     if node is None:
         raise ComputationError(f"the branch could not be started at {along} = {value:g}")
     window = {len(system.states): (low, high)}
@@ -114,6 +117,18 @@ def _equilibrium(system: System, state: np.ndarray, residual: float) -> Equilibr
     eigenvalues = np.linalg.eigvals(system.jacobian(state))
     order = np.argsort(-eigenvalues.real)
     return Equilibrium(system.states, state, dict(system.parameters), eigenvalues[order], residual)
+
+
+def _beside(problem: Equations, u: np.ndarray, tangent: np.ndarray, ds: float) -> Node | None:
+    """A node of the other branch beside a branch point; in the point itself Newton's matrix is singular."""
+    step = ds / 2
+    while step > smallest_step(ds):
+        predicted = u + step * tangent * problem.scale
+        node = problem.correct(Node(u, tangent), predicted, tangent)
+        if node is not None and np.linalg.norm((node.u - predicted) / problem.scale) < step / 2:
+            return node
+        step /= 2
+    return None
 
 
 def _derivatives(system: System, along: str, u: np.ndarray) -> np.ndarray:

@@ -64,7 +64,7 @@ class System:
         if len(set(names)) < len(names):
             twice = sorted({name for name in names if names.count(name) > 1})
             raise InputError(f"the name(s) {', '.join(twice)} stand for more than one state or parameter")
-        checked = {name: _number(value, f"parameter '{name}'") for name, value in self.parameters.items()}
+        checked = {name: number(value, f"parameter '{name}'") for name, value in self.parameters.items()}
         object.__setattr__(self, "states", states)
         object.__setattr__(self, "parameters", checked)
         if self.tape is None:
@@ -72,6 +72,8 @@ class System:
 
     def with_parameters(self, changes: Mapping[str, float]) -> "System":
         """A copy with the named parameters replaced. Raises InputError for unknown names."""
+        if not isinstance(changes, Mapping):
+            raise InputError(f"changes go by name, for example {{'a': 1.0}}; got {changes!r}")
         for name in changes:
             if name not in self.parameters:
                 raise unknown_name(name, self.parameters, "parameter")
@@ -83,8 +85,11 @@ class System:
             for name in given:
                 if name not in self.states:
                     raise unknown_name(name, self.states, "state")
-            return np.array([_number(given.get(name, 0.0), f"state '{name}'") for name in self.states])
-        x = np.asarray(given, dtype=float)
+            return np.array([number(given.get(name, 0.0), f"state '{name}'") for name in self.states])
+        try:
+            x = np.asarray(given, dtype=float)
+        except (TypeError, ValueError):
+            x = np.array(np.nan)
         if x.shape != (len(self.states),) or not np.all(np.isfinite(x)):
             raise InputError(
                 f"a state is {len(self.states)} finite numbers ({', '.join(self.states)}); got {given!r}"
@@ -190,7 +195,8 @@ def _polarised(power: Callable[[np.ndarray], np.ndarray], vectors: tuple[Any, ..
     return total * np.prod(lengths) * 2.0 / (2.0**k * math.factorial(k))
 
 
-def _number(value: Any, what: str) -> float:
+def number(value: Any, what: str) -> float:
+    """A finite number as a float. Raises InputError that names what it is."""
     if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not math.isfinite(value):
         raise InputError(f"{what} must be a finite number; got {value!r}")
     return float(value)
