@@ -1,0 +1,104 @@
+"""A system's equations for equilibria, folds, Hopf points and branch points, ready for the compiled walk."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from rainwind.dynamics.kernels import march as kernel
+from rainwind.dynamics.kernels import screening
+from rainwind.dynamics.kernels.equations import equations
+from rainwind.dynamics.kernels.values import specialised
+from rainwind.dynamics.nodes import Borders, Node, Nodes
+from rainwind.dynamics.system import System
+
+_NEWTON_LIMIT = 10
+
+
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """A compiled problem: equilibria, folds, Hopf points or branch points of a system (`kernels/equations.py`)."""
+
+    kind: int
+    system: System
+    along: tuple[str, ...]
+    scale: np.ndarray
+    tolerance: float = 1e-8
+    _packed: tuple = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        system = self.system
+        free = np.array([system.number(name) for name in self.along], dtype=np.int64)
+        inputs = system.inputs(np.zeros(len(system.states)))
+        varies = np.zeros(inputs.size, dtype=bool)
+        varies[: len(system.states)] = True
+        varies[free] = True
+        operations, template, outputs = system.tape.arrays
+        tape = (*specialised(operations, template, inputs, varies), outputs)
+        object.__setattr__(self, "_packed", (self.kind, tape, inputs, free))
+
+    def no_borders(self) -> Borders:
+        """Borders of equations that need none."""
+        empty = np.zeros((len(self.system.states), 0))
+        return empty, empty, np.zeros((2, 4))
+
+    def correct(self, near: Node, u: np.ndarray, tangent: np.ndarray) -> Node | None:
+        """The node in the hyperplane through u across the tangent; None when Newton fails."""
+        everywhere = np.full(len(self.along), np.inf)
+        status, nodes, _, iterations = self._march(
+            near.borders or self.no_borders(), u, tangent, -everywhere, everywhere, 0.0, 1.0, 1
+        )
+        return replace(nodes[0], iterations=iterations) if status != kernel.STEP_TOO_SMALL else None
+
+    def derivatives(self, u: np.ndarray, borders: Borders) -> np.ndarray:
+        """The Jacobian (m, len(u)) of the equations at u."""
+        return equations(*self._packed, *borders, u)[1]
+
+    def solve(self, u: np.ndarray, borders: Borders | None = None) -> tuple[np.ndarray, float] | None:
+        """Newton on as many equations as unknowns, to rounding: the solution and the largest |F|, or None."""
+        found, u, residual = kernel.solve(
+            *self._packed,
+            *(borders or self.no_borders()),
+            u,
+            self.scale,
+            1e-11,
+            2 * _NEWTON_LIMIT,
+        )
+        return (u, residual) if found else None
+
+    def march(
+        self, node: Node, lower: np.ndarray, upper: np.ndarray, step: float, largest: float, count: int
+    ) -> "tuple[int, Nodes, float]":
+        """Up to `count` nodes in one compiled call: status, nodes, the next step's length."""
+        borders = node.borders or self.no_borders()
+        status, nodes, step, _ = self._march(
+            borders, node.u, node.tangent, lower, upper, step, largest, count
+        )
+        return status, replace(nodes, arclength=node.arclength + nodes.arclength), step
+
+    def inputs(self, u: np.ndarray) -> np.ndarray:
+        """States and parameters (N, i) as the kernels take them, from unknowns u (N, .)."""
+        _, _, inputs, free = self._packed
+        at = np.tile(inputs, (len(u), 1))
+        n = len(self.system.states)
+        at[:, :n] = u[:, :n]
+        at[:, free] = u[:, n : n + len(free)]
+        return at
+
+    def _march(
+        self, borders: tuple, u: np.ndarray, tangent: np.ndarray, lower: np.ndarray, upper: np.ndarray,
+        step: float, largest: float, count: int,
+    ) -> "tuple[int, Nodes, float, int]":  # fmt: skip
+        tolerance = self.tolerance if step else 1e-3 * self.tolerance
+        status, done, us, tangents, steps, tests, lefts, belows, weightss, step, iterations = kernel.march(
+            *self._packed, *borders, u, tangent, self.scale, lower, upper, step, largest,
+            smallest_step(largest), tolerance, _NEWTON_LIMIT, count,
+        )  # fmt: skip
+        spectra = screening.spectra(*self._packed[1], self.inputs(us[:done]))
+        borders = (lefts[:done], belows[:done], weightss[:done])
+        nodes = Nodes(us[:done], tangents[:done], np.cumsum(steps[:done]), tests[:done], spectra, borders)
+        return status, nodes, step, iterations
+
+
+def smallest_step(largest: float) -> float:
+    """The step's length at which a walk gives up."""
+    return 1e-7 * largest
