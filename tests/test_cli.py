@@ -257,7 +257,15 @@ def test_bad_arguments(studies: SimpleNamespace, arguments: list[str], words: st
 
 def test_paper_prints_the_targets(studies: SimpleNamespace, tmp_path: Path):
     out = run("paper", "--out", tmp_path / "results").out
-    for word in ("T2", "7.997", "met", "10.7, 12.7", "not_computed"):
+    for word in (
+        "T2",
+        "7.997",
+        "met",
+        "10.7, 12.7",
+        "not_computed",
+        "1 met, 1 not computed",
+        "reconstructed",
+    ):
         assert word in out
 
 

@@ -2,6 +2,7 @@
 
 import os
 import sys
+from collections import Counter
 from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -85,6 +86,10 @@ def print_targets(path: Path) -> None:
         for target in targets
     ]
     print_table(["id", "what", "paper", "computed", "unit", "fitted", "verdict"], rows)
+    counts = Counter(str(target["verdict"]).replace("_", " ") for target in targets)
+    typer.echo(", ".join(f"{count} {verdict}" for verdict, count in counts.items()))
+    if any(target["fitted"] for target in targets):
+        typer.echo("fitted: the coefficients are reconstructed and were made to meet this; it tests nothing")
 
 
 def _number_text(value: Any) -> str:

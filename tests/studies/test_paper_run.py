@@ -96,7 +96,7 @@ def test_a_stopped_run_keeps_what_is_done(monkeypatch, tmp_path: Path, error: Ba
     with pytest.raises(type(error)):
         paper_run.run(tmp_path, progress=progress)
     assert [done for done, _, _ in told[:-1]] == list(range(len(told) - 1))
-    assert told[-1][2] == "report"
+    assert told[-1][2] == "report and data"
     assert sorted(path.name for path in (tmp_path / "figures").iterdir()) == [
         "figure_04_coefficients.png",
         "figure_04_coefficients.svg",

@@ -72,7 +72,7 @@ def run(out: Path, *, progress: Progress) -> Run:
             done += 1
         made.complete = True
     finally:
-        progress(done, total, "report")
+        progress(done, total, "report and data")
         made.seconds = perf_counter() - started
         _write(out, made)
     progress(total, total, "finished")
@@ -113,10 +113,11 @@ def _write(out: Path, made: Run) -> None:
     ]
     text = json.dumps(records, indent=2, ensure_ascii=False, allow_nan=False)
     (out / "targets.json").write_text(text + "\n", encoding="utf-8")
-    save_netcdf(out / "data.nc", made.tables, source=paper.SOURCE, version=__version__)
     captions = [report.Picture(path, _caption(path.stem)) for path in made.figures]
     page = report.page(records, captions, complete=made.complete, seconds=made.seconds)
     (out / "report.html").write_text(page, encoding="utf-8")
+    # last, because it takes longest and nothing else needs it
+    save_netcdf(out / "data.nc", made.tables, source=paper.SOURCE, version=__version__)
 
 
 def _short(record: dict[str, Any]) -> dict[str, Any]:
