@@ -27,7 +27,7 @@ def equilibrium_tables(known: EquilibriumMap) -> dict[str, Table]:
         for name in branch.states[: len(branch.states) // 2]:
             columns[name] = Column(branch[name][inside], _UNITS.get(name, ""), _MEANINGS.get(name, ""))
         columns["growth"] = Column(
-            branch.eigenvalues[inside].real.max(axis=1), "1/s", "largest real part of the eigenvalues"
+            np.real(branch.eigenvalues[inside]).max(axis=1), "1/s", "largest real part of the eigenvalues"
         )
         columns["unstable"] = Column(branch.unstable[inside], "", "eigenvalues with positive real part")
         tables[f"equilibrium_{side.letter or f'other_{number}'}"] = Table(columns)

@@ -62,7 +62,7 @@ def _along(side: Side, *, pairs: bool) -> tuple[np.ndarray, np.ndarray]:
     """Speeds and largest real parts, of the pairs alone or of all eigenvalues; with the fold at its end."""
     speed = np.concatenate([side.branch.parameter[side.inside], [p.parameter for p in side.folds]])
     values = np.vstack([side.branch.eigenvalues[side.inside], *(p.eigenvalues for p in side.folds)])
-    real = np.where(np.abs(values.imag) > 0, values.real, -np.inf) if pairs else values.real
+    real = np.where(np.imag(values) != 0, np.real(values), -np.inf) if pairs else np.real(values)
     largest = real.max(axis=1)
     order = np.argsort(speed)
     return speed[order], np.where(np.isfinite(largest), largest, np.nan)[order]
@@ -135,9 +135,9 @@ def _near(result: Result, axes: Axes) -> None:
     span = reach - onset
     axes.set_xlim(onset - 0.15 * span, reach)
     axes.margins(y=0.15)
-    fold = min(result.equilibria["D"].folds, key=lambda p: p.parameter)  # type: ignore[union-attr]
-    pairs = fold.eigenvalues[np.abs(fold.eigenvalues.imag) > 0]
-    mark(axes, "fold", onset, float(pairs.real.max()))
+    speed, value = result.oscillating["D"]
+    if np.isfinite(value[0]):
+        mark(axes, "fold", onset, float(value[0]))
     for point in result.hopf_on_c:
         if point.parameter <= reach:
             mark(axes, "hopf", point.parameter, 0.0, color=style.VERMILION)

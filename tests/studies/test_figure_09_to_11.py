@@ -1,0 +1,176 @@
+"""Figures 9, 10 and 11: stability diagrams and their trends."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import rainwind as rw
+from rainwind.studies import figure_09_stability_diagram as figure_09
+from rainwind.studies import figure_10_rivulet_and_frequency as figure_10
+from rainwind.studies import figure_11_mass_coefficients_dof as figure_11
+from rainwind.studies.equilibrium_map import equilibria_by_letter
+
+approx = pytest.approx
+AUTO = json.loads((Path(__file__).parents[1] / "validation/auto/reference.json").read_text(encoding="utf-8"))
+RATIO = "section.damping_ratio"
+
+
+def auto(curve, name):
+    return next(point for point in AUTO["points"][curve] if point["name"] == name)
+
+
+@pytest.fixture(scope="module")
+def diagram():
+    return figure_09.compute()
+
+
+@pytest.fixture(scope="module")
+def tenth():
+    return figure_10.compute()
+
+
+@pytest.fixture(scope="module")
+def eleventh():
+    return figure_11.compute()
+
+
+def test_critical_damping(diagram):  # section 5, T8
+    speed, ratio = diagram.diagram.critical
+    assert 100 * ratio == approx(0.7, abs=0.02)
+    highest = auto("hopf_curve", "MAX")
+    assert ratio == approx(highest["damping_ratio"], rel=1e-6)
+    assert speed == approx(highest["speed"], abs=5e-3)
+
+
+@pytest.mark.parametrize(("kind", "name"), [("zh", "FH"), ("hh", "HH")])
+def test_codimension_two_points_as_auto_finds_them(diagram, kind, name):
+    (point,) = [p for p in diagram.diagram.points if p.kind == kind]
+    assert point.parameter == approx(auto("hopf_curve", name)["speed"], abs=1e-5)
+    assert point.parameters[RATIO] == approx(auto("hopf_curve", name)["damping_ratio"], rel=1e-6)
+
+
+@pytest.mark.parametrize("speed", [10.633528192, 12.634092509, 14.799080927, 16.154167542])
+def test_hopf_curve_passes_autos_points(diagram, speed):
+    point = next(p for p in AUTO["points"]["hopf_curve"] if p["speed"] == approx(speed))
+    assert diagram.diagram.hopf_speeds(point["damping_ratio"])[-1 if speed != 16.154167542 else 0] == approx(
+        point["speed"], abs=2e-3
+    )
+
+
+def test_the_onset_does_not_depend_on_damping(diagram):  # T8
+    assert np.ptp(diagram.diagram.fold["wind.speed"]) < 1e-9
+
+
+def test_curves_of_d_and_of_c_part_at_the_fold_hopf_point(diagram):
+    (point,) = [p for p in diagram.diagram.points if p.kind == "zh"]
+    meeting = [
+        {"letter": piece.letter, "lower": piece.ratio.max() <= point.parameters[RATIO] + 1e-9}
+        for piece in diagram.diagram.pieces
+        if min(np.hypot(piece.speed - point.parameter, piece.ratio - point.parameters[RATIO])) < 1e-9
+    ]
+    assert sorted(m["letter"] for m in meeting) == ["C", "D"]
+    assert {m["letter"]: m["lower"] for m in meeting} == {"C": True, "D": False}
+
+
+def test_shaded_region_is_where_d_is_unstable(diagram):
+    """The region as drawn, against the eigenvalues of every equilibrium found anew at points all over the plane."""
+    figure = figure_09.draw(diagram, Figure())
+    regions = [c for c in figure.axes[0].collections if hasattr(c, "levels")]
+    shaded = regions[0].get_paths()
+    rng = np.random.default_rng(9)
+    checked = {True: 0, False: 0}
+    for speed, ratio in zip(rng.uniform(8.05, 19.9, 150), rng.uniform(2e-5, 0.0095, 150), strict=True):
+        model = rw.paper_model().with_parameters({"wind.speed": speed, RATIO: ratio})
+        upper = min(
+            rw.find_equilibria(model), key=lambda e: abs(e["phi"] - np.radians(40)) + (e["phi"] > 1.06)
+        )
+        growth = upper.eigenvalues.real.max()
+        if abs(growth) < 5e-4:  # so near to the curve that its drawing decides
+            continue
+        inside = any(path.contains_point((speed, 100 * ratio)) for path in shaded)
+        assert inside == (growth > 0), (speed, ratio, growth)
+        checked[inside] += 1
+    assert min(checked.values()) > 30
+
+
+def test_no_equilibrium_d_left_of_the_fold(diagram):
+    left = rw.paper_model().with_parameters({"wind.speed": diagram.diagram.onset - 0.01})
+    right = rw.paper_model().with_parameters({"wind.speed": diagram.diagram.onset + 0.01})
+    assert "D" not in equilibria_by_letter(left)
+    assert "D" in equilibria_by_letter(right)
+
+
+def test_no_curve_of_limit_cycles_is_faked(diagram):
+    assert diagram.diagram.cycle_curves == ()
+    assert diagram.diagram.audit() == []
+
+
+def test_more_rivulet_friction(tenth):  # section 5, T10
+    low, middle, high = tenth.friction.variants
+    assert low.onset == approx(high.onset, abs=1e-6)
+    assert low.critical_damping > middle.critical_damping > high.critical_damping
+    assert low.width(0.002) < middle.width(0.002) < high.width(0.002)
+
+
+def test_onset_does_not_depend_on_the_frequency(tenth):  # section 5, T11
+    onsets = [variant.onset for variant in tenth.frequency.variants]
+    assert np.ptp(onsets) < 0.05
+
+
+def test_lighter_rivulet(eleventh):  # section 5, T12
+    light, middle, heavy = eleventh.mass.variants
+    assert light.onset < middle.onset < heavy.onset
+    assert light.critical_damping < middle.critical_damping < heavy.critical_damping
+
+
+def test_second_pair_of_a_light_rivulet_is_followed_too(eleventh):
+    light = eleventh.mass.variants[0].diagram
+    assert light.unstable_at_end(0.0005)
+    assert not light.unstable_at_end(0.0006)
+    (end,) = [p.ratio[np.argmax(p.speed)] for p in light.pieces if p.letter == "D" and p.speed.max() > 19.9]
+    assert 0.0005 < end < 0.0006
+
+
+def test_two_degrees_of_freedom(eleventh):  # section 5, T13
+    three, two = eleventh.degrees_of_freedom.variants
+    assert two.onset == approx(three.onset, abs=0.05)
+    assert two.critical_damping < three.critical_damping
+    assert two.width(0.002) < three.width(0.002)
+    upper = two.diagram.hopf_speeds(0.002)[-1]
+    assert upper == approx(13.9, abs=0.06)  # as noted in the coefficient set, from AUTO-07p
+
+
+def test_other_reconstructions_have_like_limits(eleventh):
+    for variant in eleventh.coefficients.variants[:3]:
+        assert variant.onset == approx(8.0, abs=0.05)
+        assert 100 * variant.critical_damping == approx(0.7, abs=0.02)
+
+
+def test_gu_and_lu_with_our_moment_is_labelled_and_practically_stable(eleventh):
+    last = eleventh.coefficients.variants[-1]
+    assert "our moment" in last.label
+    assert last.onset is not None
+    assert last.critical_damping < 2e-5
+    figure = figure_11.draw(eleventh, Figure())
+    texts = [t.get_text() for t in figure.axes[1].get_legend().get_texts()]
+    assert any("our moment" in t and "D stable" in t for t in texts)
+
+
+@pytest.mark.parametrize("name", ["tenth", "eleventh"])
+def test_figures_draw_and_tabulate_every_variant(request, name):
+    result = request.getfixturevalue(name)
+    study = figure_10 if name == "tenth" else figure_11
+    figure = study.draw(result, Figure())
+    assert all("$U$" in axes.get_xlabel() and "m/s" in axes.get_xlabel() for axes in figure.axes)
+    tables = study.tables(result)
+    assert all(f"{key}_1_fold" in tables for key in (("friction",) if name == "tenth" else ("mass",)))
+
+
+def test_heavy_rivulet_raises_the_window_of_damping():
+    heavy = rw.paper_model().with_parameters({"rivulet.mass": 0.5})
+    result = figure_09.compute(heavy)
+    assert result.diagram.ratios[1] > 0.01
+    assert result.diagram.critical[1] < result.diagram.ratios[1]
