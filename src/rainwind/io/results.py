@@ -46,17 +46,16 @@ def save_netcdf(path: Path | str, tables: Mapping[str, Table], *, source: str, v
     """
     import xarray
 
-    about = {"source": source, "software": f"rainwind {version}"}
-    xarray.Dataset(attrs=about).to_netcdf(path, mode="w", engine="h5netcdf")
+    tree = {"/": xarray.Dataset(attrs={"source": source, "software": f"rainwind {version}"})}
     for name, table in tables.items():
-        dataset = xarray.Dataset(
+        tree[f"/{name}"] = xarray.Dataset(
             {
                 label: (column.dimensions, np.asarray(column.values), _facts(column))
                 for label, column in table.columns.items()
             },
             attrs=dict(table.attributes),
         )
-        dataset.to_netcdf(path, mode="a", group=name, engine="h5netcdf")
+    xarray.DataTree.from_dict(tree).to_netcdf(path, engine="h5netcdf")
 
 
 def load_netcdf(path: Path | str) -> dict[str, Any]:
