@@ -55,7 +55,7 @@ def _locate(problem: Equations, kind: str, a: Probe, b: Probe, changes: Changes)
         pair = changes.pairs[0]
         omega = abs((1 - fraction) * a.watched[pair].imag + fraction * b.watched[pair].imag)
         found = solve_hopf(system, problem.along, guess, omega, problem.scale)
-    if found is None:
+    if found is None or not np.all(np.isfinite(found[0])):
         return None
     u, residual = found
     # the interval holds one event: a point outside belongs to another one

@@ -71,7 +71,13 @@ def _locate(problem: Equations, kind: str, a: Probe, b: Probe, changes: Changes)
         return replace(exact, arclength=node.arclength)
 
     try:
-        fraction = float(brentq(lambda t: value(at(t)), 0.0, 1.0, xtol=1e-14, rtol=1e-14, maxiter=60))
+        first, last = value(a.node), value(b.node)
+        if first * last > 0:  # one end lies on the point, its value is mere rounding
+            fraction = 0.0 if abs(first) < abs(last) else 1.0
+            if min(abs(first), abs(last)) > 1e-9 * max(abs(first), abs(last)):
+                return None
+        else:
+            fraction = float(brentq(lambda t: value(at(t)), 0.0, 1.0, xtol=1e-14, rtol=1e-14, maxiter=60))
         node = at(fraction)
     except (_Lost, RuntimeError, ValueError):
         return None

@@ -40,11 +40,6 @@ class Probe:
         return np.concatenate([self.watched.real, self.node.tests])
 
     @property
-    def rounding(self) -> float:
-        """Real parts smaller than this have no sign."""
-        return _ROUNDING * float(np.max(np.abs(self.node.eigenvalues)))
-
-    @property
     def count(self) -> int:
         """How many watched eigenvalues are unstable."""
         return int(np.sum(self.watched.real > 0))
@@ -87,6 +82,8 @@ class Inspector:
         unexplained: list[Unexplained] = []
         if not len(flags):
             return points, unexplained
+        for i in np.flatnonzero(_mere(ordered[1:], nodes.eigenvalues[1:]).any(axis=1)) + 1:
+            ordered[i] = _signed(ordered[i - 1], ordered[i], nodes.eigenvalues[i])
         # the pace just before each interval and just after it; outside the walk there is none, so measure it
         first, last = (Probe(nodes[i], ordered[i], pace[i]) for i in (0, len(nodes) - 1))
         second, last_but_one = (Probe(nodes[i], ordered[i], pace[i]) for i in (1, len(nodes) - 2))
@@ -119,14 +116,12 @@ class Inspector:
         self, a: Probe, b: Probe, points: list[SpecialPoint], unexplained: list[Unexplained]
     ) -> None:
         # breadth first: noise in one part must not use up the probes of another
-        intervals, probes = deque([(a, b, False)]), 0
+        intervals, probes = deque([(a, b)]), 0
         while intervals:
-            # sure: half of an interval over which values changed sign beyond rounding
-            a, b, sure = intervals.popleft()
-            noise = self._noise(a, b) & (not sure)
-            changes = self._changes(a, b, noise)
+            a, b = intervals.popleft()
+            changes = self._changes(a, b)
             kind = self.classify(changes) if changes.any else None
-            unsettled = self._unsettled(a, b, noise, kind == "bp" and not changes.real)
+            unsettled = self._unsettled(a, b, kind == "bp" and not changes.real)
             if not changes.any and not unsettled:
                 continue
             length = b.node.arclength - a.node.arclength
@@ -140,7 +135,7 @@ class Inspector:
             elif middle is not None:
                 # the second half's eigenvalues follow the middle's order
                 last = Probe(b.node, kernel.matched(middle.watched, b.watched), b.pace)
-                intervals += [(a, middle, changes.any), (middle, last, changes.any)]
+                intervals += [(a, middle), (middle, last)]
             elif b.count != a.count or kind not in (None, "gh") or length > _SHORTEST:
                 where = (self._parameters(a.node), self._parameters(b.node))
                 unexplained.append(
@@ -155,30 +150,25 @@ class Inspector:
             if node is None or max(self._distance(a.node, node), self._distance(node, b.node)) > length:
                 continue
             watched = kernel.watched(self.problem.kind, node.eigenvalues, node.u[-1])
-            middle = Probe(node, kernel.matched(a.watched, watched), np.zeros_like(a.pace))
+            watched = _signed(a.watched, kernel.matched(a.watched, watched), node.eigenvalues)
+            middle = Probe(node, watched, np.zeros_like(a.pace))
             return replace(middle, pace=np.maximum(_pace(a, middle), _pace(middle, b)))
         return None
 
     def _distance(self, a: Node, b: Node) -> float:
         return float(np.linalg.norm((b.u - a.u) / self.problem.scale))
 
-    def _changes(self, a: Probe, b: Probe, noise: np.ndarray) -> Changes:
+    def _changes(self, a: Probe, b: Probe) -> Changes:
         # a value of exactly zero counts as negative, so that a node right on an event hides nothing
-        crossed = np.flatnonzero(((a.watched.real > 0) != (b.watched.real > 0)) & ~noise)
+        crossed = np.flatnonzero((a.watched.real > 0) != (b.watched.real > 0))
         real = tuple(int(k) for k in crossed if a.watched[k].imag == 0 == b.watched[k].imag)
         pairs = tuple(int(k) for k in crossed if k not in real)
         fold, branch = (a.node.tests > 0) != (b.node.tests > 0)
         return Changes((bool(fold), bool(branch)), real, pairs)
 
-    @staticmethod
-    def _noise(a: Probe, b: Probe) -> np.ndarray:
-        """Which watched eigenvalues stay on the imaginary axis to rounding (k,)."""
-        return np.maximum(np.abs(a.watched.real), np.abs(b.watched.real)) <= min(a.rounding, b.rounding)
-
-    def _unsettled(self, a: Probe, b: Probe, noise: np.ndarray, turns: bool) -> bool:
+    def _unsettled(self, a: Probe, b: Probe, turns: bool) -> bool:
         """Whether values may have crossed twice; turns: the branch turns at a pitchfork."""
         before, after = a.values, b.values
-        before[:-2][noise] = 0.0
         if turns:  # the critical eigenvalue touches zero there
             before[np.argmin(np.abs(a.watched.real) + np.abs(b.watched.real))] = 0.0
         pace = np.maximum(a.pace, b.pace)
@@ -203,3 +193,14 @@ class Inspector:
 def _pace(a: Probe, b: Probe) -> np.ndarray:
     """How fast the values change between two probes."""
     return np.abs(b.values - a.values) / max(abs(b.node.arclength - a.node.arclength), 1e-300)
+
+
+def _mere(watched: np.ndarray, eigenvalues: np.ndarray) -> np.ndarray:
+    """Whether real parts (..., k) are mere rounding beside the eigenvalues (..., n)."""
+    return np.abs(watched.real) <= _ROUNDING * np.max(np.abs(eigenvalues), axis=-1, keepdims=True)
+
+
+def _signed(before: np.ndarray, after: np.ndarray, eigenvalues: np.ndarray) -> np.ndarray:
+    """Watched eigenvalues (k,) whose real parts keep the sign they had before while they are mere rounding."""
+    kept = np.where(before.real > 0, 1e-300, -1e-300) + 1j * after.imag
+    return np.where(_mere(after, eigenvalues), kept, after)
