@@ -19,3 +19,12 @@ autodoc_typehints_format = "short"
 
 html_theme = "furo"
 html_title = f"rainwind {release}"
+
+
+def setup(app):
+    """Read docstrings as plain words: |F| is a norm in them, no substitution."""
+
+    def escape(app, what, name, obj, options, lines):
+        lines[:] = [line.replace("|", "\\|") for line in lines]
+
+    app.connect("autodoc-process-docstring", escape)

@@ -1,1 +1,1 @@
-"""Numerics of x' = f(x, p): equilibria, their bifurcations and curves of these; knows nothing of wind, water or cables."""
+"""Numerics of x' = f(x, p): equilibria, their bifurcations, curves of these; knows nothing of wind, water or cables."""
