@@ -10,7 +10,8 @@ from rainwind.dynamics.system import System
 def solve_equilibrium(system: System, guess: np.ndarray) -> tuple[np.ndarray, float] | None:
     """The equilibrium that Newton reaches from a guess (n,), and its residual; None where it does not converge."""
     problem = Equations(EQUILIBRIUM, system, (), state_scale(guess))
-    return problem.solve(guess)
+    solution = problem.solve(guess)
+    return solution if solution is not None and np.all(np.isfinite(solution[0])) else None
 
 
 def state_scale(state: np.ndarray) -> np.ndarray:
