@@ -94,8 +94,10 @@ def _name(result: Result, axes: Axes) -> None:
         axes.text(0.5 * (onset + high), 0.5 * top, "D stable at every damping", ha="center", va="center")
         return
     box: dict[str, Any] = {"facecolor": style.UNSTABLE, "edgecolor": "none", "pad": 1.5}
-    unstable = roomiest(field.speed, field.ratio, field.count > 0, shape=1.0, least=0.06)
-    stable = roomiest(field.speed, field.ratio, field.count == 0, shape=1.0, least=0.06)
+    # no text across the line of the case
+    free = np.abs(field.ratio - result.sample_ratio)[:, None] > 0.035 * diagram.ratios[1]
+    unstable = roomiest(field.speed, field.ratio, free & (field.count > 0), shape=1.0, least=0.06)
+    stable = roomiest(field.speed, field.ratio, free & (field.count == 0), shape=1.0, least=0.06)
     if unstable is not None:
         axes.text(unstable[0], PERCENT * unstable[1], "D unstable", ha="center", va="center", bbox=box)
     if stable is not None:

@@ -204,10 +204,12 @@ def _texts(result: Result, axes: Axes) -> None:
 
 
 def _crossed(result: Result) -> np.ndarray:
-    """The cells of the field that a Hopf curve of another equilibrium passes: no place for text."""
+    """The cells of the field that another line passes: no place for text."""
     field = result.diagram.field
     assert field is not None
     crossed = np.zeros(field.count.shape, dtype=bool)
+    for ratio in paper.LIVE_RATIOS:
+        crossed[np.abs(np.log(field.ratio / ratio)) < 0.08] = True
     for piece in result.diagram.pieces:
         if piece.letter != "D":
             columns = np.clip(np.searchsorted(field.speed, piece.speed), 0, field.speed.size - 1)

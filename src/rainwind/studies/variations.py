@@ -89,8 +89,6 @@ def draw_panel(axes: Axes, shown: Panel, speeds: tuple[float, float], top: float
         diagram = variant.diagram
         limits = [p for p in diagram.pieces if p.letter == "D" and p.others == 0]
         drawn = axes.plot([], [], color=color, linestyle=line, label=variant.label)[0]
-        for piece in limits:
-            axes.plot(piece.speed, PERCENT * piece.ratio, color=color, linestyle=line)
         if variant.onset is None:
             drawn.set_label(f"{variant.label}: no D here")
             continue
@@ -101,8 +99,14 @@ def draw_panel(axes: Axes, shown: Panel, speeds: tuple[float, float], top: float
             drawn.set_label(f"{variant.label}\n(fold; D stable {above})")
             draw_fold(axes, variant.onset, 0.0, top, color=color)
             continue
-        leaves = [PERCENT * p.parameters["section.damping_ratio"] for p in diagram.points if p.kind == "zh"]
-        axes.plot([variant.onset] * 2, [0.0, max(leaves, default=0.0)], color=color, linestyle=line)
+        for piece in limits:
+            speed, ratio = piece.speed, PERCENT * piece.ratio
+            if min(speed[0], speed[-1]) < variant.onset * (1 + 1e-6):
+                # the region's edge goes on down the fold, in one stroke
+                order = slice(None) if speed[0] < speed[-1] else slice(None, None, -1)
+                speed = np.concatenate([[variant.onset], speed[order]])
+                ratio = np.concatenate([[0.0], ratio[order]])
+            axes.plot(speed, ratio, color=color, linestyle=line)
     axes.set(xlim=speeds, ylim=(0.0, top), xlabel=style.UNDISTURBED)
     axes.xaxis.set_major_locator(MaxNLocator(5))
     axes.legend(loc="upper right", borderaxespad=0.3, title=shown.title, title_fontsize=7.0, alignment="left")
