@@ -62,7 +62,7 @@ _HOME = {
     "CableSection": "physics.section",
     "Wind": "physics.wind",
 }
-__all__ = [*_HOME, "__version__"]  # noqa: PLE0604
+__all__ = [*_HOME, "__version__"]
 
 
 def __getattr__(name: str) -> Any:

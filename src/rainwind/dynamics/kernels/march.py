@@ -40,7 +40,9 @@ def solve(kind, tape, inputs, free, left, below, weights, u, scale, tolerance, l
                 d[i, j] *= scale[j]
         if converged:
             return True, u, residual
-        solve_many(d, right)
+        if solve_many(d, right) == 0.0:
+            # singular: only an exact root may stay where it is
+            return residual == 0.0, u, residual
         size = 0.0
         for k in range(u.size):
             u[k] += right[k, 0] * scale[k]
@@ -79,6 +81,8 @@ def correct(kind, tape, inputs, free, left, below, weights, u, tangent, scale, t
             right[i, 1] = 0.0 if i < many - 1 else 1.0
         right[many - 1, 0] = target - here
         sign = solve_many(bordered, right)
+        if sign == 0.0:
+            break
         size = length = 0.0
         for k in range(many):
             u[k] += right[k, 0] * scale[k]
