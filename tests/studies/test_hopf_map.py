@@ -124,7 +124,9 @@ def test_every_study_takes_any_model(name, tmp_path):
 def test_damping_ratios_set_apart_give_way_and_a_note_says_so():
     sample = rw.paper_model()
     apart = replace(sample, section=replace(sample.section, damping_ratio_y=0.001))
-    found = figure_09_stability_diagram.compute(apart).diagram
+    result = figure_09_stability_diagram.compute(apart)
+    found = result.diagram
+    assert figure_09_stability_diagram.draw(result, Figure()).get_supxlabel() == found.notes[0]
     assert found.notes == ("one damping ratio for y and z, unlike in the case",)
     assert found.critical[1] == approx(0.0069416, abs=1e-6)
 

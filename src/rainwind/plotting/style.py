@@ -14,8 +14,8 @@ WIDTHS = {"single": 90.0, "double": 180.0}  # mm, one and two columns of a journ
 BLUE, VERMILION, GREEN, ORANGE, BLACK, GREY = "#0072B2", "#C04A00", "#00805C", "#E69F00", "#000000", "#767676"
 CYCLE = (BLACK, BLUE, VERMILION, GREEN, ORANGE)
 DASHED, DOTTED, DASH_DOTTED = (0, (4.0, 1.8)), (0, (1.0, 1.4)), (0, (6.0, 1.6, 1.0, 1.6))
-LINES = ("-", DASHED, DASH_DOTTED, DOTTED, (0, (2.2, 1.2)))
-ABSENT, STABLE, UNSTABLE = "#D9D9D9", "#FFFFFF", "#F6C9A8"
+LINES = ("-", DASHED, (0, (5.0, 1.3, 1.0, 1.3, 1.0, 1.3)), DOTTED, (0, (2.2, 1.2)))
+ABSENT, STABLE, UNSTABLE = "#ECECEC", "#FFFFFF", "#F6C9A8"
 UNDISTURBED = r"undisturbed wind speed $U$ (m/s)"
 DAMPING = r"damping ratio $\xi$ (%)"
 

@@ -75,6 +75,8 @@ def draw(result: Result, figure: Figure) -> Figure:
             if point.kind in ("zh", "hh"):
                 mark(axes, point.kind, point.parameter, PERCENT * point.parameters["section.damping_ratio"])
         _name(result, axes)
+        if diagram.notes:
+            figure.supxlabel("; ".join(diagram.notes), fontsize=7.0, x=0.01, ha="left")
     return figure
 
 
