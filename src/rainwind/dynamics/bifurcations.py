@@ -63,7 +63,7 @@ def _locate(problem: Equations, kind: str, a: Probe, b: Probe, changes: Changes)
     length = float(a.node.tangent @ ((b.node.u - a.node.u) / problem.scale))
     ahead = float(a.node.tangent @ offset)
     margin = 1e-3 * length + 1e-10
-    if not -margin <= ahead <= length + margin or np.linalg.norm(offset) > 1.5 * length + margin:
+    if not -margin <= ahead <= length + margin or np.max(np.abs(offset)) > 1.5 * length + margin:
         return None
     parameters = {**system.parameters, problem.along[0]: float(u[n])}
     point = describe(

@@ -90,7 +90,7 @@ def _curve(
         # kappa counts in units of its own size, so that a slow and a fast oscillation take like steps
         scale = np.append(scale, max(1.0, omega**2))
     u = np.concatenate([start.state, values, extra])
-    if polished is not None and np.linalg.norm((polished[0][: n + 1] - u[: n + 1]) / scale[: n + 1]) < 0.1:
+    if polished is not None and np.max(np.abs((polished[0][: n + 1] - u[: n + 1]) / scale[: n + 1])) < 0.1:
         u[: n + 1] = polished[0][: n + 1]
         if kind == "hopf":
             u[-1] = polished[0][-1]

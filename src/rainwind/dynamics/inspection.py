@@ -156,7 +156,7 @@ class Inspector:
         return None
 
     def _distance(self, a: Node, b: Node) -> float:
-        return float(np.linalg.norm((b.u - a.u) / self.problem.scale))
+        return float(np.max(np.abs((b.u - a.u) / self.problem.scale)))
 
     def _changes(self, a: Probe, b: Probe) -> Changes:
         # a value of exactly zero counts as negative, so that a node right on an event hides nothing
