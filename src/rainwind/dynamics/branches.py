@@ -149,34 +149,42 @@ def _up_to_bogdanov_takens(
     return nodes, points, gaps, Ended.AT_BT
 
 
+def _turned(half: _Half) -> _Half:
+    """The same points in the other direction."""
+    nodes = half.nodes[::-1]
+    nodes = replace(nodes, arclength=-nodes.arclength, tangent=-nodes.tangent)
+    points = [replace(p, arclength=-p.arclength) for p in half.points[::-1]]
+    gaps = [
+        replace(g, between=(-g.between[1], -g.between[0]), parameters=g.parameters[::-1], change=-g.change)
+        for g in half.gaps[::-1]
+    ]
+    return _Half(nodes, half.ended, points, gaps)
+
+
 def _joined(kind: str, problem: Equations, halves: list[_Half]) -> Branch:
     """Both halves in one direction, the arclength counted from the first point."""
+    forward = halves[-1]
+    nodes, points, gaps = forward.nodes, forward.points, forward.gaps
+    if len(halves) == 2:
+        backward = _turned(halves[0])
+        nodes = backward.nodes[:-1].followed_by(nodes)
+        points, gaps = backward.points + points, backward.gaps + gaps
     system, n, q = problem.system, len(problem.system.states), len(problem.along)
-    backward, forward = halves if len(halves) == 2 else (None, halves[0])
-    u, s = forward.nodes.u, forward.nodes.arclength
-    spectra = forward.nodes.eigenvalues
-    points, gaps = list(forward.points), list(forward.gaps)
-    ended = (forward.ended, forward.ended)
-    shift = 0.0
-    if backward is not None:
-        shift = float(backward.nodes.arclength[-1])
-        u = np.concatenate([backward.nodes.u[:0:-1], u])
-        s = np.concatenate([-backward.nodes.arclength[:0:-1], s])
-        spectra = np.concatenate([backward.nodes.eigenvalues[:0:-1], spectra])
-        points = [replace(p, arclength=-p.arclength) for p in backward.points[::-1]] + points
-        turned = [
-            replace(
-                g, between=(-g.between[1], -g.between[0]), parameters=g.parameters[::-1], change=-g.change
-            )
-            for g in backward.gaps[::-1]
-        ]
-        gaps = turned + gaps
-        ended = (backward.ended, forward.ended)
+    u, shift = nodes.u, float(nodes.arclength[0])
     residual = np.max(np.abs(values(*system.tape.arrays, problem.inputs(u))), axis=1)
-    unstable = unstable_counts(problem.kind, spectra, u[:, -1].copy())
     return Branch(
-        kind, system.states, problem.along, dict(system.parameters), u[:, :n].copy(), u[:, n : n + q].copy(),
-        spectra, unstable, s + shift, residual,
-        tuple(replace(p, arclength=p.arclength + shift) for p in points), ended,
-        tuple(replace(g, between=(g.between[0] + shift, g.between[1] + shift)) for g in gaps),
-    )  # fmt: skip
+        kind=kind,
+        states=system.states,
+        along=problem.along,
+        parameters=dict(system.parameters),
+        state=u[:, :n].copy(),
+        free=u[:, n : n + q].copy(),
+        tangent=(nodes.tangent * problem.scale)[:, : n + q],
+        eigenvalues=nodes.eigenvalues,
+        unstable=unstable_counts(problem.kind, nodes.eigenvalues, u[:, -1].copy()),
+        arclength=nodes.arclength - shift,
+        residual=residual,
+        special=tuple(replace(p, arclength=p.arclength - shift) for p in points),
+        ended=(halves[0].ended, forward.ended),
+        unexplained=tuple(replace(g, between=(g.between[0] - shift, g.between[1] - shift)) for g in gaps),
+    )

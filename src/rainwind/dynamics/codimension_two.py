@@ -1,7 +1,5 @@
 """Codimension-two points on curves of folds and Hopf points: cusp, bt, gh, zh, hh."""
 
-from dataclasses import replace
-
 import numpy as np
 from scipy.optimize import brentq
 
@@ -10,6 +8,7 @@ from rainwind.dynamics.inspection import Changes, Inspector, Probe
 from rainwind.dynamics.kernels import screening as kernel
 from rainwind.dynamics.kernels.equations import FOLD
 from rainwind.dynamics.kernels.values import values
+from rainwind.dynamics.normalforms import lyapunov_coefficient
 from rainwind.dynamics.results import Certificate, SpecialPoint
 
 # f_y = f_z makes Hopf-Hopf points close to 1:1 the rule in this field: normal forms diverge there
@@ -23,7 +22,7 @@ def fold_curve_inspector(problem: Equations) -> Inspector:
 
 
 def hopf_curve_inspector(problem: Equations) -> Inspector:
-    """Reads a curve of Hopf points: tests are kappa and the first Lyapunov coefficient."""
+    """Reads a curve of Hopf points: tests are kappa and l1 det J, which vanishes where l1 does but has no poles."""
     return Inspector(problem, (True, True), _on_hopf_curve, lambda *event: _locate(problem, *event))
 
 
@@ -43,7 +42,7 @@ def _on_hopf_curve(changes: Changes) -> str | None:
     return {
         (True, 0, 0): "gh",
         (False, 1, 0): "zh",
-        (True, 1, 0): "zh",  # the Lyapunov coefficient has a pole there, which is no generalised Hopf point
+        (True, 1, 0): "zh",  # l1 det J may pass zero close by
         (False, 0, 2): "hh",
     }.get((gh, len(changes.real), len(changes.pairs)))
 
@@ -64,11 +63,9 @@ def _locate(problem: Equations, kind: str, a: Probe, b: Probe, changes: Changes)
         if fraction in (0.0, 1.0):
             return a.node if fraction == 0.0 else b.node
         node = point_between(problem, a.node, b.node, fraction)
-        # a node's values belong to Newton's last iterate but one: correct once more, for values at the point itself
-        exact = node and problem.correct(node, node.u, node.tangent)
-        if node is None or exact is None:
+        if node is None:
             raise _Lost
-        return replace(exact, arclength=node.arclength)
+        return node
 
     try:
         first, last = value(a.node), value(b.node)
@@ -77,7 +74,7 @@ def _locate(problem: Equations, kind: str, a: Probe, b: Probe, changes: Changes)
             if min(abs(first), abs(last)) > 1e-9 * max(abs(first), abs(last)):
                 return None
         else:
-            fraction = float(brentq(lambda t: value(at(t)), 0.0, 1.0, xtol=1e-14, rtol=1e-14, maxiter=60))
+            fraction = float(brentq(lambda t: value(at(t)), 0.0, 1.0, xtol=1e-14, rtol=1e-12, maxiter=60))
         node = at(fraction)
     except (_Lost, RuntimeError, ValueError):
         return None
@@ -116,7 +113,7 @@ def _described(problem: Equations, kind: str, node: Node, here: float, swing: fl
     vanishes = {
         "cusp": "quadratic coefficient",
         "bt": "w'v" if problem.kind == FOLD else "omega squared",
-        "gh": "first Lyapunov coefficient",
+        "gh": "first Lyapunov coefficient times det J",
     }.get(kind, "real part of the second crossing")
     checks = {vanishes: (here, 1e-7 * max(swing, 1e-3) + 1e-12)}
     if problem.kind != FOLD and node.u[-1] > 0:
@@ -124,8 +121,8 @@ def _described(problem: Equations, kind: str, node: Node, here: float, swing: fl
         checks["real part of the pair"] = (_nearest(eigenvalues, omega), tolerance)
     if problem.kind == FOLD or kind == "zh":
         checks["smallest eigenvalue"] = (float(np.min(np.abs(eigenvalues))), tolerance)
-    if kind == "gh":
-        lyapunov = here
+    if kind == "gh" and isinstance(omega, float):
+        lyapunov = lyapunov_coefficient(system, state, free, omega)
     if kind == "zh" and problem.kind == FOLD:
         pairs = eigenvalues[eigenvalues.imag > 0]
         omega = float(pairs[np.argmin(np.abs(pairs.real))].imag)

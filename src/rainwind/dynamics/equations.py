@@ -1,6 +1,6 @@
 """A system's equations for equilibria, folds, Hopf points and branch points, ready for the compiled walk."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -43,11 +43,14 @@ class Equations:
 
     def correct(self, near: Node, u: np.ndarray, tangent: np.ndarray) -> Node | None:
         """The node in the hyperplane through u across the tangent; None when Newton fails."""
-        everywhere = np.full(len(self.along), np.inf)
-        status, nodes, _, iterations = self._march(
-            near.borders or self.no_borders(), u, tangent, -everywhere, everywhere, 0.0, 1.0, 1
+        anywhere = np.full(len(self.along), np.inf)
+        status, found, spectra, _, iterations = self._march(
+            near, u, tangent, -anywhere, anywhere, 0.0, 1.0, 1
         )
-        return replace(nodes[0], iterations=iterations) if status != kernel.STEP_TOO_SMALL else None
+        if status == kernel.STEP_TOO_SMALL:
+            return None
+        us, tangents, _, tests, *borders = (values[0] for values in found)
+        return Node(us, tangents, 0.0, iterations, tests, spectra[0], tuple(borders))  # type: ignore[arg-type]
 
     def derivatives(self, u: np.ndarray, borders: Borders) -> np.ndarray:
         """The Jacobian (m, len(u)) of the equations at u."""
@@ -69,11 +72,12 @@ class Equations:
         self, node: Node, lower: np.ndarray, upper: np.ndarray, step: float, largest: float, count: int
     ) -> "tuple[int, Nodes, float]":
         """Up to `count` nodes in one compiled call: status, nodes, the next step's length."""
-        borders = node.borders or self.no_borders()
-        status, nodes, step, _ = self._march(
-            borders, node.u, node.tangent, lower, upper, step, largest, count
+        status, found, spectra, step, _ = self._march(
+            node, node.u, node.tangent, lower, upper, step, largest, count
         )
-        return status, replace(nodes, arclength=node.arclength + nodes.arclength), step
+        us, tangents, steps, tests, *borders = found
+        nodes = Nodes(us, tangents, node.arclength + np.cumsum(steps), tests, spectra, tuple(borders))
+        return status, nodes, step
 
     def inputs(self, u: np.ndarray) -> np.ndarray:
         """States and parameters (N, i) as the kernels take them, from unknowns u (N, .)."""
@@ -85,18 +89,16 @@ class Equations:
         return at
 
     def _march(
-        self, borders: tuple, u: np.ndarray, tangent: np.ndarray, lower: np.ndarray, upper: np.ndarray,
+        self, near: Node, u: np.ndarray, tangent: np.ndarray, lower: np.ndarray, upper: np.ndarray,
         step: float, largest: float, count: int,
-    ) -> "tuple[int, Nodes, float, int]":  # fmt: skip
-        tolerance = self.tolerance if step else 1e-3 * self.tolerance
-        status, done, us, tangents, steps, tests, lefts, belows, weightss, step, iterations = kernel.march(
-            *self._packed, *borders, u, tangent, self.scale, lower, upper, step, largest,
-            smallest_step(largest), tolerance, _NEWTON_LIMIT, count,
+    ) -> tuple[int, list[np.ndarray], np.ndarray, float, int]:  # fmt: skip
+        _, tape, inputs, free = self._packed
+        status, done, *found, step, iterations = kernel.march(
+            *self._packed, *(near.borders or self.no_borders()), u, tangent, self.scale, lower, upper,
+            step, largest, smallest_step(largest), self.tolerance, _NEWTON_LIMIT, count,
         )  # fmt: skip
-        spectra = screening.spectra(*self._packed[1], self.inputs(us[:done]))
-        borders = (lefts[:done], belows[:done], weightss[:done])
-        nodes = Nodes(us[:done], tangents[:done], np.cumsum(steps[:done]), tests[:done], spectra, borders)
-        return status, nodes, step, iterations
+        found = [values[:done] for values in found]
+        return status, found, screening.spectra(tape, inputs, free, found[0]), step, iterations
 
 
 def smallest_step(largest: float) -> float:

@@ -123,7 +123,8 @@ class Unexplained:
 class Branch:
     """Equilibria in one parameter, or points of a curve in two, ordered along the arclength.
 
-    along: names of the free parameters (1 or 2); state (N, n); free (N, len(along)); eigenvalues (N, n);
+    along: names of the free parameters (1 or 2); state (N, n); free (N, len(along)); tangent (N, n + len(along)):
+    derivatives of both by arclength; eigenvalues (N, n);
     unstable (N,): number of eigenvalues right of the imaginary axis, the critical ones of a curve not counted;
     special: labelled points; ended: why each end is where it is; unexplained: what no label explains.
     `branch["phi"]`, `branch["wind.speed"]` give columns.
@@ -135,6 +136,7 @@ class Branch:
     parameters: Mapping[str, float]  # those that are not free keep these values
     state: np.ndarray
     free: np.ndarray
+    tangent: np.ndarray
     eigenvalues: np.ndarray
     unstable: np.ndarray
     arclength: np.ndarray
@@ -197,16 +199,23 @@ class Branch:
         return self.arclength[hits] + t * np.diff(self.arclength)[hits]
 
     def extremum(self, name: str, *, largest: bool = True) -> float:
-        """The largest (or smallest) value of a column along the branch, by a parabola through three points."""
-        column = self[name] if largest else -self[name]
-        i = int(np.argmax(column))
-        if 0 < i < len(column) - 1:
-            s = self.arclength[i - 1 : i + 2] - self.arclength[i]
-            a, b, c = np.polyfit(s, column[i - 1 : i + 2], 2)
-            if a < 0 and s[0] < -b / (2 * a) < s[2]:
-                best = c - b * b / (4 * a)
-                return float(best if largest else -best)
-        return float(self[name][i])
+        """The largest (or smallest) value of a column, on the cubics through the points and their tangents."""
+        sign = 1.0 if largest else -1.0
+        value = sign * self[name]
+        columns = (*self.states, *self.along)
+        if name not in columns or len(self) < 2:
+            return float(sign * np.max(value))
+        slope = sign * self.tangent[:, columns.index(name)]
+        top = int(np.argmax(value))
+        best = float(value[top])
+        for i in range(max(top - 1, 0), min(top + 1, len(self) - 1)):
+            h = self.arclength[i + 1] - self.arclength[i]
+            rise, m0, m1 = value[i + 1] - value[i], slope[i] * h, slope[i + 1] * h
+            cubic = np.array([m0 + m1 - 2 * rise, 3 * rise - 2 * m0 - m1, m0, value[i]])
+            turns = np.roots(np.polyder(cubic))
+            inside = turns.real[(turns.imag == 0) & (turns.real > 0) & (turns.real < 1)]
+            best = max([best, *np.polyval(cubic, inside).tolist()])
+        return sign * best
 
     def audit(self) -> list[str]:
         """Everything about this branch that a careful reader should know before trusting it."""

@@ -97,13 +97,20 @@ class System:
         return x.copy()
 
     def inputs(self, x: Any, parameters: Mapping[str, float] | None = None) -> np.ndarray:
-        """States and parameters as the kernels take them: x (..., n) -> (..., n + number of parameters)."""
+        """States and parameters as the kernels take them: x (..., n) -> (..., n + number of parameters).
+
+        A parameter given here may be an array, of a shape that goes with the leading shape of x.
+        """
         x = np.asarray(x, dtype=float)
-        if x.shape[-1:] != (len(self.states),):
-            raise InputError(f"x must have shape (..., {len(self.states)}); got {x.shape}")
-        merged = self.with_parameters(parameters).parameters if parameters else self.parameters
-        p = np.array(list(merged.values()))
-        return np.concatenate([x, np.broadcast_to(p, (*x.shape[:-1], p.size))], axis=-1)
+        n = len(self.states)
+        if x.shape[-1:] != (n,):
+            raise InputError(f"x must have shape (..., {n}); got {x.shape}")
+        found = np.empty((*x.shape[:-1], n + len(self.parameters)))
+        found[..., :n] = x
+        found[..., n:] = list(self.parameters.values())
+        for name, value in (parameters or {}).items():
+            found[..., self.number(name)] = value
+        return found
 
     def number(self, parameter: str) -> int:
         """The number of a parameter among the inputs. Raises InputError for an unknown name."""
@@ -111,7 +118,7 @@ class System:
             raise unknown_name(parameter, self.parameters, "parameter")
         return len(self.states) + list(self.parameters).index(parameter)
 
-    def f(self, x: Any, parameters: Mapping[str, float] | None = None) -> np.ndarray:
+    def f(self, x: Any, parameters: Mapping[str, Any] | None = None) -> np.ndarray:
         """The right-hand side: x (..., n) -> (..., n)."""
         inputs = self.inputs(x, parameters)
         found = values(*self.tape.arrays, inputs.reshape(-1, inputs.shape[-1]))

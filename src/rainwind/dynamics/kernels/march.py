@@ -57,10 +57,10 @@ def solve(kind, tape, inputs, free, left, below, weights, u, scale, tolerance, l
 def correct(kind, tape, inputs, free, left, below, weights, u, tangent, scale, tolerance, limit, exact):
     """Newton in the hyperplane through u across `tangent`, then the tangent of the curve where it ends.
 
-    u (N,) is the predicted point, tangent (N,) a unit vector in scaled unknowns u / scale. Unless `exact`, Newton
-    stops when the next correction, foretold from its quadratic convergence, is below the tolerance. Returns
-    iterations (0: not converged), u, tangent, sign of det [F_u; tangent], J (n, n). Tangent and J belong to the
-    last iterate but one.
+    u (N,) is the predicted point, tangent (N,) a unit vector in scaled unknowns u / scale. Returns iterations (0: not
+    converged), u, tangent, sign of det [F_u; tangent], J (n, n). If `exact`, tangent and J belong to u itself; else
+    to the last iterate but one, and Newton stops when the next correction, foretold from its quadratic convergence,
+    is below the tolerance.
     """
     many = u.size
     u = u.copy()
@@ -70,6 +70,7 @@ def correct(kind, tape, inputs, free, left, below, weights, u, tangent, scale, t
     for k in range(many):
         target += tangent[k] * u[k] / scale[k]
     before = np.inf
+    converged = False
     for iteration in range(limit):
         f, d, jacobian = equations(kind, tape, inputs, free, left, below, weights, u)
         here = 0.0
@@ -85,14 +86,15 @@ def correct(kind, tape, inputs, free, left, below, weights, u, tangent, scale, t
             break
         size = length = 0.0
         for k in range(many):
-            u[k] += right[k, 0] * scale[k]
+            u[k] += 0.0 if converged else right[k, 0] * scale[k]
             size = max(size, abs(right[k, 0]) / (1.0 + abs(u[k] / scale[k])))
             length += right[k, 1] ** 2
         if not np.isfinite(size):
             break
         foretold = size * (size / before) ** 2 if iteration > 0 and size < 0.01 else np.inf
-        if size < tolerance or (not exact and foretold < 0.1 * tolerance):
+        if converged or (not exact and (size < tolerance or foretold < 0.1 * tolerance)):
             return iteration + 1, u, right[:, 1] / np.sqrt(length), sign, jacobian
+        converged = size < tolerance
         before = size
     return 0, u, tangent, 0.0, np.empty((0, 0))
 
@@ -173,9 +175,10 @@ def march(
     done = 0
     iterations = 0
     predicted = np.empty(u.size)
+    bend = np.zeros(u.size)  # the tangent's turn per length of the step before
     while done < count:
         for k in range(u.size):
-            predicted[k] = u[k] + step * tangent[k] * scale[k]
+            predicted[k] = u[k] + step * (tangent[k] + 0.5 * step * bend[k]) * scale[k]
         iterations, new, turned, sign, jacobian = correct(
             kind, tape, inputs, free, left, below, weights, predicted, tangent, scale, tolerance, limit, exact
         )
@@ -192,6 +195,8 @@ def march(
                 status = STEP_TOO_SMALL
                 break
             continue
+        for k in range(u.size):
+            bend[k] = (turned[k] - tangent[k]) / step if step > 0.0 else 0.0
         u, tangent = new, turned
         if kind != EQUILIBRIUM:
             left, below, weights = null_borders(kind, u, jacobian, left, below)

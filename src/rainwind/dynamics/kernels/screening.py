@@ -9,13 +9,20 @@ from rainwind.dynamics.kernels.tangents import jacobians
 
 
 @compiled
-def spectra(operations, template, outputs, inputs):
-    """Eigenvalues of J at N points: inputs (N, states + parameters) -> (N, n) complex."""
+def spectra(tape, inputs, free, us):
+    """Eigenvalues of J at N points: inputs (i,) but for states and free parameters, us (N, .) -> (N, n) complex."""
+    operations, template, outputs = tape
     n = outputs.size
-    _, j = jacobians(operations, template, outputs, inputs, np.arange(n))
-    found = np.empty((inputs.shape[0], n), np.complex128)
-    for i in range(inputs.shape[0]):
-        found[i] = eigenvalues(j[i])
+    at = np.empty((us.shape[0], inputs.size))
+    for row in range(us.shape[0]):
+        at[row] = inputs
+        at[row, :n] = us[row, :n]
+        for k in range(free.size):
+            at[row, free[k]] = us[row, n + k]
+    _, j = jacobians(operations, template, outputs, at, np.arange(n))
+    found = np.empty((us.shape[0], n), np.complex128)
+    for row in range(us.shape[0]):
+        found[row] = eigenvalues(j[row])
     return found
 
 
