@@ -97,9 +97,12 @@ def equilibria(monkeypatch: pytest.MonkeyPatch) -> list[object]:
         kind = "stable focus"
         eigenvalues = (-0.5 + 2j, -0.25 + 0j)
 
-    def find(model: object) -> list[Equilibrium]:
+    class Found(list):
+        complete = True
+
+    def find(model: object) -> Found:
         asked.append(model)
-        return [Equilibrium(phi=-3.0, y=0.001, z=0.002), Equilibrium(phi=0.5, y=-0.003, z=0.25)]
+        return Found([Equilibrium(phi=-3.0, y=0.001, z=0.002), Equilibrium(phi=0.5, y=-0.003, z=0.25)])
 
     monkeypatch.setitem(sys.modules, "rainwind.dynamics.equilibria", SimpleNamespace(find_equilibria=find))
     return asked

@@ -196,6 +196,7 @@ def equilibria(
     header, rows = equilibria_table(model, found)
     noun = "equilibrium" if len(rows) == 1 else "equilibria"
     typer.echo(f"{len(rows)} {noun} at a wind speed of {model.wind.speed:g} m/s")
+    typer.echo("all there are, certified" if found.complete else f"perhaps not all: {found.note}")
     print_table(header, [[f"{x:.4f}" if isinstance(x, float) else str(x) for x in row] for row in rows])
     if csv_file is not None:
         with csv_file.open("w", newline="", encoding="utf-8") as file:

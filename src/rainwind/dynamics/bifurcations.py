@@ -9,7 +9,7 @@ from rainwind.dynamics.continuation import Equations
 from rainwind.dynamics.inspection import Changes, Inspector, Probe
 from rainwind.dynamics.kernels.equations import BRANCH, FOLD, HOPF, hopf_weights
 from rainwind.dynamics.kernels.tangents import second_order
-from rainwind.dynamics.newton import null_vectors
+from rainwind.dynamics.newton import null_vectors, spectrum
 from rainwind.dynamics.normalforms import critical_plane, fold_coefficient, lyapunov_coefficient
 from rainwind.dynamics.results import Certificate, SpecialPoint
 from rainwind.dynamics.system import System
@@ -159,8 +159,7 @@ def describe(
     """A fold, Hopf or branch point of a branch with normal-form coefficient and certificate."""
     free = {name: parameters[name] for name in along}
     jacobian = system.jacobian(state, free)
-    eigenvalues = np.linalg.eigvals(jacobian)
-    eigenvalues = eigenvalues[np.argsort(-eigenvalues.real)]
+    eigenvalues = spectrum(jacobian)
     size = float(np.linalg.norm(jacobian))
     by_parameter = system.jacobian_parameters(state, along[:1], free)[:, 0]
     omega = lyapunov = None

@@ -8,6 +8,7 @@ from rainwind.dynamics.inspection import Changes, Inspector, Probe
 from rainwind.dynamics.kernels import screening as kernel
 from rainwind.dynamics.kernels.equations import FOLD
 from rainwind.dynamics.kernels.values import values
+from rainwind.dynamics.newton import spectrum
 from rainwind.dynamics.normalforms import lyapunov_coefficient
 from rainwind.dynamics.results import Certificate, SpecialPoint
 
@@ -74,7 +75,7 @@ def _locate(problem: Equations, kind: str, a: Probe, b: Probe, changes: Changes)
             if min(abs(first), abs(last)) > 1e-9 * max(abs(first), abs(last)):
                 return None
         else:
-            fraction = float(brentq(lambda t: value(at(t)), 0.0, 1.0, xtol=1e-14, rtol=1e-12, maxiter=60))
+            fraction: float = brentq(lambda t: value(at(t)), 0.0, 1.0, xtol=1e-14, maxiter=60)  # type: ignore[assignment]
         node = at(fraction)
     except (_Lost, RuntimeError, ValueError):
         return None
@@ -103,8 +104,7 @@ def _described(problem: Equations, kind: str, node: Node, here: float, swing: fl
     inputs = system.inputs(state, free)
     residual = float(np.max(np.abs(values(*system.tape.arrays, inputs[None, :]))))
     jacobian = system.jacobian(state, free)
-    eigenvalues = np.linalg.eigvals(jacobian)
-    eigenvalues = eigenvalues[np.argsort(-eigenvalues.real)]
+    eigenvalues = spectrum(jacobian)
     size = float(np.linalg.norm(jacobian))
     # a double zero moves like the root of the error
     tolerance = (1e-6 if kind == "bt" else 1e-7) * max(1.0, size)

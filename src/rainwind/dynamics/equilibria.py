@@ -9,37 +9,42 @@ from rainwind.dynamics.bifurcations import equilibrium_inspector
 from rainwind.dynamics.branches import check_states, check_steps, follow, window_of
 from rainwind.dynamics.continuation import Equations, Node, smallest_step
 from rainwind.dynamics.kernels.equations import EQUILIBRIUM
-from rainwind.dynamics.newton import null_vectors, solve_equilibrium, state_scale
-from rainwind.dynamics.results import Branch, Equilibrium, SpecialPoint
+from rainwind.dynamics.newton import null_vectors, solve_equilibrium, spectrum, state_scale
+from rainwind.dynamics.results import Branch, Equilibria, Equilibrium, SpecialPoint
 from rainwind.dynamics.system import System, as_system
 from rainwind.errors import ComputationError, InputError
 from rainwind.parameters import unknown_name
 
 
-def find_equilibria(model: Any, *, starts: Sequence[Any] | None = None) -> tuple[Equilibrium, ...]:
+def find_equilibria(model: Any, *, starts: Sequence[Any] | None = None) -> Equilibria:
     """All equilibria of a model that can list them (`all_states`), polished by Newton.
 
-    For another system give `starts`, states from which Newton goes: those it reaches are returned, each once, and
-    no completeness is claimed. Raises InputError when neither is there.
+    `.complete` says whether these are certainly all. For another system give `starts`, states from which Newton
+    goes: those it reaches are returned, each once, and no completeness is claimed. Raises InputError when neither
+    is there.
     """
     system = as_system(model)
+    listed: Any = starts
+    complete, note = False, "found from the given starts: there may be others"
     if starts is None:
         if system.all_states is None:
             raise InputError(
                 "this system cannot list all its equilibria; give starts=[...], states to search from"
             )
-        starts = np.asarray(system.all_states(system.parameters))
+        listed = system.all_states(system.parameters)
+        complete = bool(getattr(listed, "certified", True))
+        note = "" if complete else "two equilibria may coincide, so that one may be missing"
     found: list[Equilibrium] = []
-    for start in starts:
-        guess = system.state(start)
-        solution = solve_equilibrium(system, guess)
-        if solution is None:
-            continue
-        state, residual = solution
-        if any(np.allclose(state, other.state, rtol=1e-9, atol=1e-12) for other in found):
-            continue
-        found.append(_equilibrium(system, state, residual))
-    return tuple(found)
+    for start in listed:
+        solution = solve_equilibrium(system, system.state(start))
+        known = solution is not None and any(
+            np.allclose(solution[0], other.state, rtol=1e-9, atol=1e-12) for other in found
+        )
+        if solution is not None and not known:
+            found.append(_equilibrium(system, *solution))
+        elif starts is None:
+            complete, note = False, "Newton could not tell apart or confirm every equilibrium that was listed"
+    return Equilibria(tuple(found), complete, note)
 
 
 def find_equilibrium(model: Any, start: Any = None) -> Equilibrium:
@@ -49,7 +54,7 @@ def find_equilibrium(model: Any, start: Any = None) -> Equilibrium:
     solution = solve_equilibrium(system, guess)
     if solution is None:
         raise ComputationError(
-            f"Newton found no equilibrium from {dict(zip(system.states, guess, strict=True))}"
+            f"Newton found no equilibrium from {dict(zip(system.states, guess.tolist(), strict=True))}"
         )
     return _equilibrium(system, *solution)
 
@@ -114,9 +119,8 @@ def continue_equilibria(
 
 
 def _equilibrium(system: System, state: np.ndarray, residual: float) -> Equilibrium:
-    eigenvalues = np.linalg.eigvals(system.jacobian(state))
-    order = np.argsort(-eigenvalues.real)
-    return Equilibrium(system.states, state, dict(system.parameters), eigenvalues[order], residual)
+    eigenvalues = spectrum(system.jacobian(state))
+    return Equilibrium(system.states, state, dict(system.parameters), eigenvalues, residual)
 
 
 def _beside(problem: Equations, u: np.ndarray, tangent: np.ndarray, ds: float) -> Node | None:

@@ -12,10 +12,13 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rainwind.dynamics.continuation import Equations, Node, Nodes, point_between
 from rainwind.dynamics.kernels import screening as kernel
 from rainwind.dynamics.results import SpecialPoint, Unexplained
+
+Complex = NDArray[np.complex128]
 
 _SHORTEST = 1e-9  # of arclength
 _MOST_PROBES = 500  # in one interval: values that only look like crossings could ask for millions
@@ -31,7 +34,7 @@ class Probe:
     """A node with its watched eigenvalues in the order of its neighbour's, and the pace of all watched values."""
 
     node: Node
-    watched: np.ndarray  # (k,) complex
+    watched: Complex  # (k,)
     pace: np.ndarray  # (k + 2,) travel per arclength
 
     @property
@@ -195,12 +198,12 @@ def _pace(a: Probe, b: Probe) -> np.ndarray:
     return np.abs(b.values - a.values) / max(abs(b.node.arclength - a.node.arclength), 1e-300)
 
 
-def _mere(watched: np.ndarray, eigenvalues: np.ndarray) -> np.ndarray:
+def _mere(watched: Complex, eigenvalues: Complex) -> np.ndarray:
     """Whether real parts (..., k) are mere rounding beside the eigenvalues (..., n)."""
     return np.abs(watched.real) <= _ROUNDING * np.max(np.abs(eigenvalues), axis=-1, keepdims=True)
 
 
-def _signed(before: np.ndarray, after: np.ndarray, eigenvalues: np.ndarray) -> np.ndarray:
+def _signed(before: Complex, after: Complex, eigenvalues: Complex) -> Complex:
     """Watched eigenvalues (k,) whose real parts keep the sign they had before while they are mere rounding."""
     kept = np.where(before.real > 0, 1e-300, -1e-300) + 1j * after.imag
     return np.where(_mere(after, eigenvalues), kept, after)

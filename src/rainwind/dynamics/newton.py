@@ -1,6 +1,7 @@
 """Newton's method for one equilibrium, and null vectors to start a walk from."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rainwind.dynamics.continuation import Equations
 from rainwind.dynamics.kernels.equations import EQUILIBRIUM
@@ -17,6 +18,12 @@ def solve_equilibrium(system: System, guess: np.ndarray) -> tuple[np.ndarray, fl
 def state_scale(state: np.ndarray) -> np.ndarray:
     """One unit of arclength in each state: 1, or the state itself where that is larger."""
     return np.maximum(1.0, np.abs(state))
+
+
+def spectrum(jacobian: np.ndarray) -> NDArray[np.complex128]:
+    """The eigenvalues of J (n, n) by descending real part (n,)."""
+    eigenvalues: NDArray[np.complex128] = np.asarray(np.linalg.eigvals(jacobian), dtype=np.complex128)
+    return eigenvalues[np.argsort(-eigenvalues.real)]
 
 
 def null_vectors(matrix: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:

@@ -42,4 +42,4 @@ def critical_plane(jacobian: np.ndarray, omega: float) -> np.ndarray:
     """An orthonormal basis (n, 2) of the plane of the eigenvectors nearest to +- i omega."""
     values, vectors = np.linalg.eig(jacobian)
     q = vectors[:, np.argmin(np.abs(values - 1j * omega))]
-    return orthonormal(np.column_stack([q.real, q.imag]))
+    return orthonormal(np.column_stack([np.real(q), np.imag(q)]))

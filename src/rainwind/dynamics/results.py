@@ -1,11 +1,12 @@
 """Results: frozen data that can be asked and can audit themselves. They hold no solver."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rainwind.errors import InputError
 from rainwind.parameters import unknown_name
@@ -47,7 +48,7 @@ class Certificate:
         return f"residual {self.residual:.1e}; {checks}" + (f"; {margins}" if margins else "")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SpecialPoint:
     """A labelled point of a branch or curve.
 
@@ -62,7 +63,7 @@ class SpecialPoint:
     state: np.ndarray
     parameters: Mapping[str, float]
     along: tuple[str, ...]
-    eigenvalues: np.ndarray
+    eigenvalues: NDArray[np.complex128]
     arclength: float
     certificate: Certificate
     omega: float | tuple[float, ...] | None = None
@@ -85,14 +86,14 @@ class SpecialPoint:
         return f"{self.kind} at {where}{omega}{lyapunov}" + (f" ({self.note})" if self.note else "")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Equilibrium:
     """One equilibrium: state (n,), all parameters, eigenvalues (n,) by descending real part."""
 
     states: tuple[str, ...]
     state: np.ndarray
     parameters: Mapping[str, float]
-    eigenvalues: np.ndarray
+    eigenvalues: NDArray[np.complex128]
     residual: float
 
     @property
@@ -107,6 +108,27 @@ class Equilibrium:
 
     def __getitem__(self, name: str) -> float:
         return _by_name(name, self.states, self.state, self.parameters)
+
+
+@dataclass(frozen=True, eq=False)
+class Equilibria(Sequence[Equilibrium]):
+    """Equilibria found together; complete: whether these are certainly all of them, and if not, `note` says why."""
+
+    found: tuple[Equilibrium, ...]
+    complete: bool
+    note: str = ""
+
+    @overload
+    def __getitem__(self, i: int) -> Equilibrium: ...
+
+    @overload
+    def __getitem__(self, i: slice) -> tuple[Equilibrium, ...]: ...
+
+    def __getitem__(self, i: int | slice) -> Equilibrium | tuple[Equilibrium, ...]:
+        return self.found[i]
+
+    def __len__(self) -> int:
+        return len(self.found)
 
 
 @dataclass(frozen=True)
@@ -137,7 +159,7 @@ class Branch:
     state: np.ndarray
     free: np.ndarray
     tangent: np.ndarray
-    eigenvalues: np.ndarray
+    eigenvalues: NDArray[np.complex128]
     unstable: np.ndarray
     arclength: np.ndarray
     residual: np.ndarray
@@ -241,7 +263,7 @@ KINDS = ("fold", "hopf", "bp", "cusp", "bt", "gh", "zh", "hh")
 _BAD_ENDS = (Ended.STEP_TOO_SMALL, Ended.NOT_FINITE, Ended.TOO_MANY_POINTS)
 
 
-def kind_of_equilibrium(eigenvalues: np.ndarray) -> str:
+def kind_of_equilibrium(eigenvalues: NDArray[np.complex128]) -> str:
     """An equilibrium's type in words, from its eigenvalues (n,)."""
     unstable = eigenvalues[eigenvalues.real > 0]
     leading = eigenvalues[np.argmax(eigenvalues.real)]

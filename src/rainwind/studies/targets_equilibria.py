@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from rainwind.dynamics.equilibria import find_equilibria
-from rainwind.dynamics.results import Equilibrium
+from rainwind.dynamics.results import Equilibria, Equilibrium
 from rainwind.studies.targets_record import Outcome, Part, Rows, close
 from rainwind.studies.targets_statements import STATEMENTS
 from rainwind.studies.targets_upper_rivulet import (
@@ -149,11 +149,11 @@ def damping_that_stops_it(model: Any) -> Outcome:
     return Outcome(100 * limits.critical, "critical damping", parts, note, details)
 
 
-def _by_speed(model: Any, speeds: tuple[float, ...]) -> list[tuple[Equilibrium, ...]]:
+def _by_speed(model: Any, speeds: tuple[float, ...]) -> list[Equilibria]:
     return [find_equilibria(model.with_parameters({"wind.speed": speed})) for speed in speeds]
 
 
-def _named(found: tuple[Equilibrium, ...], upper: UpperRivulet, beta: float) -> list[tuple[str, Equilibrium]]:
+def _named(found: Equilibria, upper: UpperRivulet, beta: float) -> list[tuple[str, Equilibrium]]:
     """A is the lower one, C and D those on the branch that turns at the fold, B the rest."""
     speed = found[0].parameters["wind.speed"]
     lower, _ = lower_and_upper(found, beta)
