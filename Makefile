@@ -7,7 +7,7 @@ VENV := .venv
 BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 OUT ?= paper_out
 
-.PHONY: paper test lint types benchmark format clean
+.PHONY: paper test lint types benchmark format docs clean
 
 paper: $(VENV)/.user
 	$(BIN)/rainwind paper --out $(OUT)
@@ -21,6 +21,10 @@ lint: $(VENV)/.developer
 
 types: $(VENV)/.developer
 	$(BIN)/pyright
+
+docs: $(VENV)/.developer
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[docs]'
+	$(BIN)/sphinx-build -W docs docs/_build
 
 format: $(VENV)/.developer
 	$(BIN)/ruff check --fix .
