@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from rainwind.dynamics.equilibria import continue_equilibria as continue_equilibria
     from rainwind.dynamics.equilibria import find_equilibria as find_equilibria
     from rainwind.dynamics.equilibria import find_equilibrium as find_equilibrium
+    from rainwind.dynamics.equilibria import walk_equilibria as walk_equilibria
     from rainwind.dynamics.results import Branch as Branch
     from rainwind.dynamics.results import Ended as Ended
     from rainwind.dynamics.results import SpecialPoint as SpecialPoint
@@ -48,6 +49,7 @@ _HOME = {
     "continue_equilibria": "dynamics.equilibria",
     "find_equilibria": "dynamics.equilibria",
     "find_equilibrium": "dynamics.equilibria",
+    "walk_equilibria": "dynamics.equilibria",
     "Branch": "dynamics.results",
     "Ended": "dynamics.results",
     "SpecialPoint": "dynamics.results",

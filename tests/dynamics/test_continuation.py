@@ -5,7 +5,8 @@ import pytest
 
 import rainwind as rw
 from rainwind.dynamics import zoo
-from rainwind.dynamics.continuation import Node, Walk
+from rainwind.dynamics.continuation import Walk
+from rainwind.dynamics.nodes import Node
 
 
 class Circle:

@@ -48,3 +48,20 @@ def test_an_exact_root_with_a_singular_jacobian_stands():
 def test_parameters_may_be_arrays():
     x, m = np.zeros((3, 1)), np.array([1.0, 2.0, 3.0])
     assert CUBIC.jacobian(x, {"m": m})[:, 0, 0].tolist() == [1, 2, 3]
+
+
+def test_a_walk_by_hand_goes_until_told_to_stop():
+    fold = rw.System(lambda x, p: [p.m - x.x**2], ("x",), {"m": 1.0})
+    seen = []
+    for point in rw.walk_equilibria(fold, "m", start=[1.0], until=(-1.0, 2.0), ds=0.1, upward=False):
+        seen.append(point)
+        if point["x"] < -0.5:
+            break
+    assert seen[0]["x"] == 1
+    assert all(abs(p.parameters["m"] - p["x"] ** 2) < 1e-9 for p in seen)
+    assert [p.stable for p in seen] == [p["x"] > 0 for p in seen]  # round the fold at 0
+
+
+def test_a_walk_by_hand_ends_on_the_bound():
+    *_, last = rw.walk_equilibria(CUBIC, "m", start=[1.0], until=(0.5, 3.0))
+    assert last.parameters["m"] == 3.0

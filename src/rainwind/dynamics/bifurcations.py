@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rainwind.dynamics.continuation import Equations
+from rainwind.dynamics.equations import Equations
 from rainwind.dynamics.inspection import Changes, Inspector, Probe
 from rainwind.dynamics.kernels.equations import BRANCH, FOLD, HOPF, hopf_weights
 from rainwind.dynamics.kernels.tangents import second_order

@@ -5,11 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from rainwind.dynamics.continuation import Equations, Node, Nodes, Walk
+from rainwind.dynamics.continuation import Walk
+from rainwind.dynamics.equations import Equations
 from rainwind.dynamics.inspection import Inspector
 from rainwind.dynamics.kernels.equations import HOPF
 from rainwind.dynamics.kernels.screening import unstable_counts
 from rainwind.dynamics.kernels.values import values
+from rainwind.dynamics.nodes import Node, Nodes
 from rainwind.dynamics.results import Branch, Ended, Equilibrium, SpecialPoint, Unexplained
 from rainwind.dynamics.system import System, number
 from rainwind.errors import InputError

@@ -3,12 +3,14 @@
 import numpy as np
 from scipy.optimize import brentq
 
-from rainwind.dynamics.continuation import Equations, Node, point_between
+from rainwind.dynamics.continuation import point_between
+from rainwind.dynamics.equations import Equations
 from rainwind.dynamics.inspection import Changes, Inspector, Probe
 from rainwind.dynamics.kernels import screening as kernel
 from rainwind.dynamics.kernels.equations import FOLD
 from rainwind.dynamics.kernels.values import values
 from rainwind.dynamics.newton import spectrum
+from rainwind.dynamics.nodes import Node
 from rainwind.dynamics.normalforms import lyapunov_coefficient
 from rainwind.dynamics.results import Certificate, SpecialPoint
 

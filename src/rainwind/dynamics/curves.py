@@ -8,9 +8,10 @@ import numpy as np
 from rainwind.dynamics.bifurcations import fold_borders, hopf_borders, solve_fold, solve_hopf
 from rainwind.dynamics.branches import check_states, check_steps, follow, window_of
 from rainwind.dynamics.codimension_two import fold_curve_inspector, hopf_curve_inspector
-from rainwind.dynamics.continuation import Equations, Node
+from rainwind.dynamics.equations import Equations
 from rainwind.dynamics.kernels.equations import FOLD, HOPF
 from rainwind.dynamics.newton import null_vectors, state_scale
+from rainwind.dynamics.nodes import Node
 from rainwind.dynamics.results import Branch, SpecialPoint
 from rainwind.dynamics.system import System, as_system
 from rainwind.errors import ComputationError, InputError

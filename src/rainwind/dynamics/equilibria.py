@@ -1,15 +1,18 @@
 """Equilibria: find them, follow them in one parameter."""
 
-from collections.abc import Mapping, Sequence
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from rainwind.dynamics.bifurcations import equilibrium_inspector
 from rainwind.dynamics.branches import check_states, check_steps, follow, window_of
-from rainwind.dynamics.continuation import Equations, Node, smallest_step
+from rainwind.dynamics.continuation import Walk
+from rainwind.dynamics.equations import Equations, smallest_step
 from rainwind.dynamics.kernels.equations import EQUILIBRIUM
 from rainwind.dynamics.newton import null_vectors, solve_equilibrium, spectrum, state_scale
+from rainwind.dynamics.nodes import Node
 from rainwind.dynamics.results import Branch, Equilibria, Equilibrium, SpecialPoint
 from rainwind.dynamics.system import System, as_system
 from rainwind.errors import ComputationError, InputError
@@ -41,7 +44,7 @@ def find_equilibria(model: Any, *, starts: Sequence[Any] | None = None) -> Equil
             np.allclose(solution[0], other.state, rtol=1e-9, atol=1e-12) for other in found
         )
         if solution is not None and not known:
-            found.append(_equilibrium(system, *solution))
+            found.append(_equilibrium(system, solution[0]))
         elif starts is None:
             complete, note = False, "Newton could not tell apart or confirm every equilibrium that was listed"
     return Equilibria(tuple(found), complete, note)
@@ -56,7 +59,7 @@ def find_equilibrium(model: Any, start: Any = None) -> Equilibrium:
         raise ComputationError(
             f"Newton found no equilibrium from {dict(zip(system.states, guess.tolist(), strict=True))}"
         )
-    return _equilibrium(system, *solution)
+    return _equilibrium(system, solution[0])
 
 
 def continue_equilibria(
@@ -75,11 +78,45 @@ def continue_equilibria(
     as they are (divided by their start where that exceeds 1), the window counts as 20. limit: points a direction.
     Raises InputError for bad input and ComputationError when not even the start could be computed.
     """
+    check_steps(ds, limit)
+    problem, node, window = _start(model, along, start, until, ds)
+    return follow("equilibria", problem, node, window, equilibrium_inspector(problem), ds=ds, limit=limit)
+
+
+def walk_equilibria(
+    model: Any,
+    along: str,
+    *,
+    until: tuple[float, float],
+    start: Any = None,
+    ds: float = 0.05,
+    upward: bool = True,
+) -> Iterator[Equilibrium]:
+    """Equilibria one after another along a branch, in one direction; whoever walks decides when to stop.
+
+    Arguments and errors as `continue_equilibria`; upward: begin towards larger values of the parameter. Nothing is
+    labelled: `continue_equilibria` does that.
+    """
+    check_steps(ds, 1)
+    problem, node, window = _start(model, along, start, until, ds)
+    turned = node if upward else problem.correct(node, node.u, -node.tangent)
+    if turned is None:
+        raise ComputationError(f"the walk could not be started towards smaller {along}")
+    n = len(problem.system.states)
+    return (
+        _equilibrium(problem.system.with_parameters({along: float(point.u[n])}), point.u[:n])
+        for point in itertools.chain([turned], Walk(problem, turned, ds=ds, window=window))
+    )
+
+
+def _start(
+    model: Any, along: str, start: Any, until: tuple[float, float], ds: float
+) -> tuple[Equations, Node, dict[int, tuple[float, float]]]:
+    """The problem of a branch, its first node and its window. Raises InputError and ComputationError."""
     system = as_system(model)
     if not isinstance(along, str) or along not in system.parameters:
         raise unknown_name(str(along), system.parameters, "parameter")
     low, high = window_of(along, until)
-    check_steps(ds, limit)
     value = system.parameters[along]
     if isinstance(start, Equilibrium | SpecialPoint):
         check_states(system, start)
@@ -114,12 +151,12 @@ def continue_equilibria(
         node = problem.correct(Node(u, tangent), u, tangent)
     if node is None:
         raise ComputationError(f"the branch could not be started at {along} = {value:g}")
-    window = {len(system.states): (low, high)}
-    return follow("equilibria", problem, node, window, equilibrium_inspector(problem), ds=ds, limit=limit)
+    return problem, node, {len(system.states): (low, high)}
 
 
-def _equilibrium(system: System, state: np.ndarray, residual: float) -> Equilibrium:
+def _equilibrium(system: System, state: np.ndarray) -> Equilibrium:
     eigenvalues = spectrum(system.jacobian(state))
+    residual = float(np.max(np.abs(system.f(state))))
     return Equilibrium(system.states, state, dict(system.parameters), eigenvalues, residual)
 
 

@@ -14,8 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rainwind.dynamics.continuation import Equations, Node, Nodes, point_between
+from rainwind.dynamics.continuation import point_between
+from rainwind.dynamics.equations import Equations
 from rainwind.dynamics.kernels import screening as kernel
+from rainwind.dynamics.nodes import Node, Nodes
 from rainwind.dynamics.results import SpecialPoint, Unexplained
 
 Complex = NDArray[np.complex128]

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from rainwind.dynamics.continuation import Equations
+from rainwind.dynamics.equations import Equations
 from rainwind.dynamics.kernels.equations import EQUILIBRIUM
 from rainwind.dynamics.system import System
 
