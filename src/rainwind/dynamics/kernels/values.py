@@ -56,7 +56,7 @@ def moving(operations, moves):
 def specialised(operations, template, inputs, free):
     """The tape with everything computed that depends on no input marked in `free` (i,): operations, template.
 
-    Slots keep their numbers, so outputs stay as they are. In a physics model about half of the operations go.
+    Slots keep their numbers, so outputs stay as they are.
     """
     slots = template.copy()
     slots[: inputs.size] = inputs
