@@ -114,19 +114,14 @@ def _cut(
     """The nodes up to where the curve closes on its start or the model refuses a state, and which of both."""
     if not len(nodes):
         return nodes, None
-    offset = (nodes.u - start.u) / problem.scale
-    level = offset @ start.tangent
-    distance = np.linalg.norm(offset, axis=1)
-    previous = np.append(float(((before.u - start.u) / problem.scale) @ start.tangent), level[:-1])
-    gap = np.diff(np.append(before.arclength, nodes.arclength))
-    same = (
-        (nodes.tangent @ start.tangent > 0.9) & (distance < 1.2 * gap) & (np.arange(len(nodes)) + count > 2)
-    )
-    closed = np.flatnonzero((previous < 0) & (level >= 0) & same)
-    if closed.size:
-        i = int(closed[0])
-        end = replace(start, arclength=float(nodes.arclength[i] - level[i]))
-        return nodes[:i].followed_by(Nodes.of([end])), Ended.CLOSED
+    levels = ((np.vstack([before.u, nodes.u]) - start.u) / problem.scale) @ start.tangent
+    gaps = np.diff(nodes.arclength, prepend=before.arclength)
+    # through the start's hyperplane in the start's direction, and near the start
+    for i in np.flatnonzero((levels[:-1] < 0) & (levels[1:] >= 0)).tolist():
+        distance = np.linalg.norm((nodes.u[i] - start.u) / problem.scale)
+        if count + i > 2 and distance < 1.2 * gaps[i] and nodes.tangent[i] @ start.tangent > 0.9:
+            end = replace(start, arclength=float(nodes.arclength[i] - levels[i + 1]))
+            return nodes[:i].followed_by(Nodes.of([end])), Ended.CLOSED
     refusal = problem.system.refusal
     if refusal is not None:
         n = len(problem.system.states)

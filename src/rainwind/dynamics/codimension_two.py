@@ -77,7 +77,7 @@ def _locate(problem: Equations, kind: str, a: Probe, b: Probe, changes: Changes)
             if min(abs(first), abs(last)) > 1e-9 * max(abs(first), abs(last)):
                 return None
         else:
-            fraction: float = brentq(lambda t: value(at(t)), 0.0, 1.0, xtol=1e-14, maxiter=60)  # type: ignore[assignment]
+            fraction: float = brentq(lambda t: value(at(t)), 0.0, 1.0, xtol=1e-12, maxiter=60)  # type: ignore[assignment]
         node = at(fraction)
     except (_Lost, RuntimeError, ValueError):
         return None

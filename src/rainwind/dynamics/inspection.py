@@ -9,7 +9,6 @@ too many probes were spent.
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,8 +26,6 @@ _MOST_PROBES = 500  # in one interval: values that only look like crossings coul
 # the middle, or where the curve bends too sharply for Newton, as near to either end as need be
 _INSIDE = (0.5, 0.25, 0.75, 0.0625, 0.9375, 0.004, 0.996)
 _STRAIGHT = 0.2
-_HASTE = 3.0
-_ROUNDING = 1e-14  # of a real part, as a share of the largest eigenvalue
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,15 +84,13 @@ class Inspector:
         unexplained: list[Unexplained] = []
         if not len(flags):
             return points, unexplained
-        for i in np.flatnonzero(_mere(ordered[1:], nodes.eigenvalues[1:]).any(axis=1)) + 1:
-            ordered[i] = _signed(ordered[i - 1], ordered[i], nodes.eigenvalues[i])
         # the pace just before each interval and just after it; outside the walk there is none, so measure it
         first, last = (Probe(nodes[i], ordered[i], pace[i]) for i in (0, len(nodes) - 1))
         second, last_but_one = (Probe(nodes[i], ordered[i], pace[i]) for i in (1, len(nodes) - 2))
         before = np.vstack([self._pace_at(first, second), pace[1:-1]])
         after = np.vstack([pace[2:], self._pace_at(last, last_but_one)])
         values = np.hstack([ordered.real, nodes.tests])
-        flags |= self._hasty(values[:-1], values[1:], np.maximum(before, after), np.diff(nodes.arclength))
+        flags |= kernel.hasty_intervals(values, np.maximum(before, after), nodes.arclength, continuous)
         for i in np.flatnonzero(flags).tolist():
             a = Probe(nodes[i], ordered[i], before[i])
             b = Probe(nodes[i + 1], ordered[i + 1], after[i])
@@ -106,16 +101,6 @@ class Inspector:
         """The pace right at one end of an interval."""
         near = self.between(end, neighbour, (0.01,))
         return end.pace if near is None else _pace(end, near)
-
-    def _hasty(self, before: np.ndarray, after: np.ndarray, pace: np.ndarray, length: Any) -> np.ndarray:
-        """Whether a value (..., k + 2) of one sign at both ends of an interval may have crossed zero and come back.
-
-        It has not when the way to zero and back is longer than what the values travel at _HASTE times their pace.
-        """
-        travel = np.maximum(np.abs(after - before), pace * np.expand_dims(length, -1))
-        near = (before * after > 0) & (np.abs(before) + np.abs(after) < _HASTE * travel)
-        near[..., -2:] &= self.continuous
-        return np.any(near, axis=-1)
 
     def _explain(
         self, a: Probe, b: Probe, points: list[SpecialPoint], unexplained: list[Unexplained]
@@ -155,7 +140,7 @@ class Inspector:
             if node is None or max(self._distance(a.node, node), self._distance(node, b.node)) > length:
                 continue
             watched = kernel.watched(self.problem.kind, node.eigenvalues, node.u[-1])
-            watched = _signed(a.watched, kernel.matched(a.watched, watched), node.eigenvalues)
+            watched = kernel.signed(a.watched, kernel.matched(a.watched, watched), node.eigenvalues)
             middle = Probe(node, watched, np.zeros_like(a.pace))
             return replace(middle, pace=np.maximum(_pace(a, middle), _pace(middle, b)))
         return None
@@ -176,8 +161,8 @@ class Inspector:
         before, after = a.values, b.values
         if turns:  # the critical eigenvalue touches zero there
             before[np.argmin(np.abs(a.watched.real) + np.abs(b.watched.real))] = 0.0
-        pace = np.maximum(a.pace, b.pace)
-        return bool(self._hasty(before, after, pace, b.node.arclength - a.node.arclength))
+        length = b.node.arclength - a.node.arclength
+        return kernel.hasty(before, after, np.maximum(a.pace, b.pace), length, np.array(self.continuous))
 
     def _straight(self, a: Probe, middle: Probe, b: Probe, changes: Changes) -> bool:
         """Whether what changes sign does so once: nearly straight through the middle."""
@@ -198,14 +183,3 @@ class Inspector:
 def _pace(a: Probe, b: Probe) -> np.ndarray:
     """How fast the values change between two probes."""
     return np.abs(b.values - a.values) / max(abs(b.node.arclength - a.node.arclength), 1e-300)
-
-
-def _mere(watched: Complex, eigenvalues: Complex) -> np.ndarray:
-    """Whether real parts (..., k) are mere rounding beside the eigenvalues (..., n)."""
-    return np.abs(watched.real) <= _ROUNDING * np.max(np.abs(eigenvalues), axis=-1, keepdims=True)
-
-
-def _signed(before: Complex, after: Complex, eigenvalues: Complex) -> Complex:
-    """Watched eigenvalues (k,) whose real parts keep the sign they had before while they are mere rounding."""
-    kept = np.where(before.real > 0, 1e-300, -1e-300) + 1j * after.imag
-    return np.where(_mere(after, eigenvalues), kept, after)

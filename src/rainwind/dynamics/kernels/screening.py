@@ -7,6 +7,9 @@ from rainwind.dynamics.kernels.equations import FOLD, HOPF
 from rainwind.dynamics.kernels.spectrum import eigenvalues
 from rainwind.dynamics.kernels.tangents import jacobians
 
+HASTE = 3.0
+ROUNDING = 1e-14  # of a real part, as a share of the largest eigenvalue
+
 
 @compiled
 def spectra(tape, inputs, free, us):
@@ -84,51 +87,71 @@ def matched(before, after):
 
 
 @compiled
-def unsettled(before, after, speed, length):
-    """Whether a value of the same sign at both ends of an interval may have crossed zero and come back.
+def signed(before, after, eigenvalues):
+    """Watched eigenvalues (k,) whose real parts keep the sign they had before while they are mere rounding."""
+    largest = 0.0
+    for value in eigenvalues:
+        largest = max(largest, abs(value))
+    found = after.copy()
+    for k in range(after.size):
+        if abs(after[k].real) <= ROUNDING * largest:
+            found[k] = complex(1e-300 if before[k].real > 0.0 else -1e-300, after[k].imag)
+    return found
 
-    before, after (k,): the values; speed (k,): their travel per length just before. Settled means that the way to
-    zero and back is at least twice what they travel at that pace.
+
+@compiled
+def hasty(before, after, pace, length, continuous):
+    """Whether a value (k,) of one sign at both ends of an interval may have crossed zero and come back.
+
+    It has not when the way to zero and back is longer than what the values travel at HASTE times their pace.
+    continuous (2,): whether the last two, the test values, are continuous; of the others only the sign counts.
     """
     for k in range(before.size):
-        travel = max(abs(after[k] - before[k]), speed[k] * length)
-        if before[k] * after[k] > 0.0 and abs(before[k]) + abs(after[k]) < 2.0 * travel:
+        if k >= before.size - 2 and not continuous[k - before.size + 2]:
+            continue
+        travel = max(abs(after[k] - before[k]), pace[k] * length)
+        if before[k] * after[k] > 0.0 and abs(before[k]) + abs(after[k]) < HASTE * travel:
             return True
     return False
 
 
 @compiled
-def screen(kind, us, arclength, tests, spectra, continuous):
-    """Look at every interval of a walk: which ones need a closer look?
+def hasty_intervals(values, pace, arclength, continuous):
+    """`hasty` for all intervals of values (N, k) at arclengths (N,), with the pace (N - 1, k) about each."""
+    flags = np.zeros(arclength.size - 1, np.bool_)
+    for i in range(flags.size):
+        length = arclength[i + 1] - arclength[i]
+        flags[i] = hasty(values[i], values[i + 1], pace[i], length, continuous)
+    return flags
 
-    Returns flags (N - 1,); watched eigenvalues (N, k), each in the order that follows its predecessor, their real
-    parts' and the tests' travel per length in the interval that ends at each node (N, k + 2).
-    continuous (2,): whether a test value is continuous, or only its sign means something.
+
+@compiled
+def screen(kind, us, arclength, tests, spectra, continuous):
+    """Put the eigenvalues of a walk in order and look where a value changes its sign.
+
+    Returns flags (N - 1,), whether a watched value's sign differs at both ends of an interval; watched eigenvalues
+    (N, k), each in the order that follows its predecessor; their real parts' and the tests' travel per length in
+    the interval that ends at each node (N, k + 2).
     """
     count = arclength.size
     last = us.shape[1] - 1
     first = watched(kind, spectra[0], us[0, last])
     k = first.size
     ordered = np.empty((count, k), np.complex128)
-    values = np.empty((count, k + 2))
+    ordered[0] = first
     speeds = np.zeros((count, k + 2))
     flags = np.zeros(max(count - 1, 0), np.bool_)
-    for i in range(count):
-        now = watched(kind, spectra[i], us[i, last])
-        ordered[i] = matched(ordered[i - 1], now) if i > 0 else now
-        for j in range(k):
-            values[i, j] = ordered[i, j].real
-        values[i, k], values[i, k + 1] = tests[i, 0], tests[i, 1]
-        if i == 0:
-            continue
+    for i in range(1, count):
+        now = matched(ordered[i - 1], watched(kind, spectra[i], us[i, last]))
+        ordered[i] = signed(ordered[i - 1], now, spectra[i])
         length = max(arclength[i] - arclength[i - 1], 1e-300)
         for j in range(k + 2):
-            flags[i - 1] |= values[i, j] * values[i - 1, j] < 0.0 or (values[i, j] == 0.0) != (
-                values[i - 1, j] == 0.0
-            )
+            before = ordered[i - 1, j].real if j < k else tests[i - 1, j - k]
+            after = ordered[i, j].real if j < k else tests[i, j - k]
+            # zero counts as negative, so that a node right on an event hides nothing
+            flags[i - 1] |= (after > 0.0) != (before > 0.0)
             if j < k or continuous[j - k]:
-                speeds[i, j] = abs(values[i, j] - values[i - 1, j]) / length
-        if i == 1:
-            speeds[0] = speeds[1]
-        flags[i - 1] |= unsettled(values[i - 1], values[i], speeds[i - 1], length)
+                speeds[i, j] = abs(after - before) / length
+    if count > 1:
+        speeds[0] = speeds[1]
     return flags, ordered, speeds
