@@ -28,7 +28,8 @@ def lyapunov_coefficient(
     """The first Lyapunov coefficient l1 of a Hopf point of frequency omega, in Kuznetsov's normalisation.
 
     Kuznetsov, Elements of Applied Bifurcation Theory, 3rd ed., eq. (5.34), with |q| = 1. Negative: stable cycles
-    are born (soft onset); positive: unstable ones (hard onset). MatCont prints omega times it.
+    are born (soft onset); positive: unstable ones (hard onset). The sign does not depend on the states' units, the
+    size does. MatCont prints omega times it.
     """
     jacobian = system.jacobian(state, parameters)
     left_plane, plane = (critical_plane(matrix, omega) for matrix in (jacobian.T, jacobian))
