@@ -95,6 +95,14 @@ def a_set(**changes):
         (lambda: a_set(name=""), "name = ''"),
         (lambda: a_set(source=3), "source = 3"),
         (lambda: a_set(status=None), "status = None"),
+        (lambda: a_set(status="meassured"), "status = 'meassured' .*did you mean 'measured'.*read off"),
+        (lambda: a_set(status="good"), "status = 'good' is not known; choose one of measured"),
+        (lambda: a_set(lift=Table((-0.9, 0.0), (1.0, 2.0), degree=1)), "-51.57 to 0 deg.* -57.3 to 0 deg"),
+        (lambda: a_set(drag=Table((-1.0, -0.1), (1.0, 2.0), degree=1)), "drag of 'a' is a table from"),
+        (lambda: a_set(drag="1/(alpha + 0.50001)"), r"drag of 'a' is not finite, .* -0\.5 rad"),
+        (lambda: a_set(drag="tan(3*alpha)"), r"drag of 'a' is not finite"),
+        (lambda: a_set(drag="log((alpha + 0.50001)**2)"), r"not finite, .* -0\.5 rad"),
+        (lambda: paper_model(a_set(drag="1/(alpha - 0.50001)")), "outside='blend' is not finite"),
         (lambda: a_set(valid=(0.0, -1.0)), "reversed or empty"),
         (lambda: a_set(valid=(0.0, 0.0)), "reversed or empty"),
         (lambda: a_set(valid=(-90.0, 0.0)), "does not look like radians"),
@@ -162,6 +170,12 @@ def test_models(build, message):
         build()
 
 
+def test_curves_that_are_finite_are_taken():
+    a_set(lift="sqrt(alpha + 1)", drag="1/(alpha + 1.001)", moment="sqrt((alpha + 0.5)**2)")
+    a_set(lift=Table((-1.0, 0.0), (1.0, 2.0), degree=1))
+    a_set().with_moment_of(a_set(status="measured")).with_moment_of(a_set(status="read off"))
+
+
 def test_refuse_needs_no_values_outside_the_valid_range():
     paper_model(a_set(moment="log(-alpha + 0.1)"), "refuse")
 
@@ -221,6 +235,13 @@ def replaced(old, new):
         (replaced("[0.1, 0.2]", "true"), ["lift: constant = True"]),
         (replaced("[-60, 0]", "[0, -60]"), [r"valid_deg = \[0, -60\] is reversed"]),
         (replaced("[-60, 0]", "[-60]"), ["valid_deg = .* must be two angles"]),
+        (replaced("[-60, 0]", "[-1.57, 0]"), [r"valid_deg = .*looks like radians; write \[-89.95, 0\]"]),
+        (replaced('status = "measured"', 'status = "meassured"'), ["did you mean 'measured'"]),
+        (replaced("valid_deg = [-60, 0]", "valid_deg = [-90, 0]"), ["table from -60 to 0 deg.*-90 to 0 deg"]),
+        (
+            replaced("[-60, -45, -30, -15, 0]", "[-1, -0.8, -0.5, -0.2, 0]"),
+            ["-1 to 0 deg.*look like radians"],
+        ),
         (replaced("[-60, 0]", '[-60, "zero"]'), ["valid_deg = 'zero'"]),
         (replaced("[-60, 0]", "[-600, 0]"), ["radians on one circle"]),
         (replaced("1 + 0.1*alpha", "1 + beta"), ["drag: the expression"]),

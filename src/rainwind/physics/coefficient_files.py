@@ -4,7 +4,7 @@ import tomllib
 from collections.abc import Callable
 from functools import lru_cache
 from importlib.resources import files
-from math import radians
+from math import degrees, radians
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,7 @@ from rainwind.errors import CaseError, InputError
 from rainwind.parameters import unknown_name
 from rainwind.physics.blend import Blend
 from rainwind.physics.checks import finite_number
-from rainwind.physics.coefficients import CoefficientSet
+from rainwind.physics.coefficients import NARROWEST, CoefficientSet
 from rainwind.physics.curves import Curve, Table, as_curve
 
 _NEEDED = ("name", "source", "status", "valid_deg", "lift", "drag")
@@ -35,7 +35,8 @@ def load_coefficients(name_or_path: str | PathLike[str]) -> CoefficientSet:
     The file has name, source, status, valid_deg = [low, high], lift, drag and, optionally, moment,
     rivulet_height_m, reading_error, blend, variable (a note) and the notes [fitted], [missed], [also_found].
     A curve is a list of polynomial coefficients in alpha (rad), text in alpha, or a table
-    {alpha_deg = [...], value = [...], degree = 6, allowed_error = 0.02}.
+    {alpha_deg = [...], value = [...], degree = 6, allowed_error = 0.02} that covers valid_deg. status is
+    "measured", "read off", "reconstructed", "unverified", "artificial" or "test".
     Raises CaseError, with every fault of the file, or InputError for a name that is not shipped.
     """
     given = fspath(name_or_path)
@@ -116,6 +117,11 @@ def _degrees_range(given: Any) -> tuple[float, float]:
     low, high = (finite_number("valid_deg", v) for v in given)
     if low >= high:
         raise InputError(f"valid_deg = [{low:g}, {high:g}] is reversed or empty; give the lower angle first")
+    if radians(high - low) < NARROWEST:
+        raise InputError(
+            f"valid_deg = [{low:g}, {high:g}] is narrower than {degrees(NARROWEST):.0f} degrees and looks like "
+            f"radians; write [{degrees(low):.4g}, {degrees(high):.4g}] if it is"
+        )
     return radians(low), radians(high)
 
 

@@ -2,19 +2,25 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
 from functools import lru_cache
-from math import pi
+from math import degrees, pi, radians
 from typing import Any, Literal
-
-import numpy as np
 
 from rainwind.errors import InputError
 from rainwind.physics.blend import Blend, default_blend
 from rainwind.physics.checks import finite_number, not_negative, one_of
-from rainwind.physics.curves import Curve, as_curve
+from rainwind.physics.curves import Curve, Table, as_curve
+from rainwind.physics.finiteness import need_finite
 
 Outside = Literal["blend", "extend", "refuse"]
 OUTSIDE = ("blend", "extend", "refuse")
+# how sure a set's numbers are; "artificial" and "test" are for sets that describe no cable
+STATUSES = ("measured", "read off", "reconstructed", "unverified", "artificial", "test")
+# a range below this (rad) that is meant in degrees was most likely given in radians: pi is 3.1
+NARROWEST = radians(5.0)
+_ANGLE_ROUNDING = 1e-9
+_AND_MOMENT = "; moment: "
 
 
 @dataclass(frozen=True)
@@ -24,6 +30,7 @@ class CoefficientSet:
     lift, drag and moment: a list of numbers c0, c1, ... (polynomial), text in alpha, a `Table` or a number;
     moment may be None where the source has none. blend: None takes half points 12° outside the valid range.
     rivulet_height in m. reading_error: absolute, of each coefficient. notes: what the set's file says beside.
+    status: one of STATUSES. A table must cover the valid range, and every curve must be finite in it.
     Raises InputError. Source of the definitions: Peil & Nahrath (2003), eqs. (2), (3).
     """
 
@@ -46,6 +53,7 @@ class CoefficientSet:
                 raise InputError(
                     f"{key} = {getattr(self, key)!r} must be text that says where the numbers are from"
                 )
+        _status(self.status)
         set_(self, "valid", _valid_range(self.valid))
         set_(self, "lift", as_curve("lift", self.lift))
         set_(self, "drag", as_curve("drag", self.drag))
@@ -57,7 +65,9 @@ class CoefficientSet:
         if self.blend is not None and not isinstance(self.blend, Blend):
             raise InputError(f"blend = {self.blend!r} must be a Blend or None")
         for key in ("lift", "drag", "moment"):
-            _need_finite(f"{key} of '{self.name}'", getattr(self, key), *self.valid)
+            what = f"{key} of '{self.name}'"
+            _need_covered(what, getattr(self, key), *self.valid)
+            need_finite(what, getattr(self, key), *self.valid)
 
     def covers(self, alpha: float) -> bool:
         """Whether alpha (rad, not wrapped) lies in the valid range."""
@@ -113,7 +123,9 @@ class CoefficientSet:
         return CoefficientSet(
             name=f"{self.name} + moment of {other.name}",
             source=f"lift and drag: {self.source}; moment: {other.source}",
-            status=self.status if self.status == other.status else f"{self.status}; moment: {other.status}",
+            status=self.status
+            if self.status == other.status
+            else f"{self.status}{_AND_MOMENT}{other.status}",
             valid=(low, high),
             lift=self.lift,
             drag=self.drag,
@@ -137,7 +149,7 @@ def check_usable(coefficients: CoefficientSet, outside: Outside) -> None:
         centre = coefficients.usable_blend.centre
         low, high = centre - pi, centre + pi
     for index, key in enumerate(("lift", "drag", "moment")):
-        _need_finite(
+        need_finite(
             f"{key} of '{coefficients.name}' with outside='{outside}'",
             lambda alpha, i=index: coefficients.at(alpha, outside)[i],
             low,
@@ -161,17 +173,28 @@ def _valid_range(valid: Any) -> tuple[float, float]:
     return low, high
 
 
-def _need_finite(what: str, curve: Any, low: float, high: float) -> None:
-    if curve is None:
+def _status(given: str) -> None:
+    """A set joined by `with_moment_of` has two, one after the other."""
+    for one in given.split(_AND_MOMENT):
+        if one not in STATUSES:
+            near = get_close_matches(one, STATUSES, n=1)
+            hint = f"did you mean '{near[0]}'? " if near else ""
+            raise InputError(f"status = {one!r} is not known; {hint}choose one of {', '.join(STATUSES)}")
+
+
+def _need_covered(what: str, curve: Curve | None, low: float, high: float) -> None:
+    if not isinstance(curve, Table):
         return
-    alpha = np.linspace(low, high, 721)
-    with np.errstate(all="ignore"):
-        try:
-            values = np.broadcast_to(curve(alpha), alpha.shape)
-        except (ZeroDivisionError, OverflowError):
-            raise InputError(f"{what} divides by zero or overflows") from None
-    bad = ~np.isfinite(values)
-    if bad.any():
-        raise InputError(
-            f"{what} is not finite, e.g. at alpha = {alpha[bad][0]:.4g} rad; change the formula or the range"
+    first, last = curve.alpha[0], curve.alpha[-1]
+    if first <= low + _ANGLE_ROUNDING and last >= high - _ANGLE_ROUNDING:
+        return
+    narrow = last - first < NARROWEST
+    raise InputError(
+        f"{what} is a table from {degrees(first):.4g} to {degrees(last):.4g} deg, but the valid range is "
+        f"{degrees(low):.4g} to {degrees(high):.4g} deg; "
+        + (
+            "its angles look like radians, a file takes degrees"
+            if narrow
+            else "narrow the valid range or add rows: a fit says nothing beyond its table"
         )
+    )
