@@ -17,8 +17,8 @@ from rainwind.dynamics.system import System, number
 from rainwind.errors import InputError
 
 
-def window_of(name: str, until: Sequence[float]) -> tuple[float, float]:
-    """The bounds (low, high) of a parameter. Raises InputError."""
+def window_of(system: System, name: str, until: Sequence[float]) -> tuple[float, float]:
+    """The bounds (low, high) of a parameter, both of which the model allows. Raises InputError."""
     try:
         low, high = until
     except (TypeError, ValueError):
@@ -26,6 +26,13 @@ def window_of(name: str, until: Sequence[float]) -> tuple[float, float]:
     low, high = number(low, f"the lower bound of {name}"), number(high, f"the upper bound of {name}")
     if not low < high:
         raise InputError(f"until for {name} = ({low:g}, {high:g}): the first must be the smaller")
+    for bound in (low, high):
+        try:
+            system.allowed({name: bound})
+        except InputError as error:
+            raise InputError(
+                f"until for {name} = ({low:g}, {high:g}) leaves what the model allows: {error}"
+            ) from None
     return low, high
 
 
@@ -59,7 +66,7 @@ def follow(
     """Walk from a node both ways within the window and label what lies between."""
     ahead = _half(problem, start, window, inspector, ds, limit)
     halves = [ahead]
-    if ahead.ended is not Ended.CLOSED:
+    if ahead.ended not in (Ended.CLOSED, Ended.INTERRUPTED):
         turned = problem.correct(start, start.u, -start.tangent)
         if turned is not None:
             halves.insert(0, _half(problem, replace(turned, arclength=0.0), window, inspector, ds, limit))
@@ -88,8 +95,9 @@ def _half(
     count, ended = 0, None
     try:
         for nodes in walk.chunks():
-            nodes, ended = _cut(problem, start, parts[-1][-1], nodes, count)
-            parts.append(nodes)
+            nodes, ended = _cut(problem, start, parts[-1], nodes, count)
+            if len(nodes):
+                parts.append(nodes)
             count += len(nodes)
             if ended is None and count >= limit:
                 ended = Ended.TOO_MANY_POINTS
@@ -97,10 +105,14 @@ def _half(
                 break
     except KeyboardInterrupt:
         ended = Ended.INTERRUPTED
+    except SystemError as error:
+        # so numba reports a Ctrl-C that came while a kernel ran
+        if not isinstance(error.__cause__, KeyboardInterrupt):
+            raise
+        ended = Ended.INTERRUPTED
     everything = parts[0]
     for part in parts[1:]:
-        if len(part):
-            everything = everything.followed_by(part)
+        everything = everything.followed_by(part)
     points, gaps = inspector.labels(everything)
     ended = ended or walk.ended
     if problem.kind == HOPF:
@@ -109,17 +121,21 @@ def _half(
 
 
 def _cut(
-    problem: Equations, start: Node, before: Node, nodes: Nodes, count: int
+    problem: Equations, start: Node, walked: Nodes, nodes: Nodes, count: int
 ) -> tuple[Nodes, Ended | None]:
     """The nodes up to where the curve closes on its start or the model refuses a state, and which of both."""
     if not len(nodes):
         return nodes, None
+    before = walked[-1]
     levels = ((np.vstack([before.u, nodes.u]) - start.u) / problem.scale) @ start.tangent
-    gaps = np.diff(nodes.arclength, prepend=before.arclength)
-    # through the start's hyperplane in the start's direction, and near the start
+    # where the curve goes through the start's hyperplane in the start's direction: is it at the start itself?
     for i in np.flatnonzero((levels[:-1] < 0) & (levels[1:] >= 0)).tolist():
-        distance = np.linalg.norm((nodes.u[i] - start.u) / problem.scale)
-        if count + i > 2 and distance < 1.2 * gaps[i] and nodes.tangent[i] @ start.tangent > 0.9:
+        if count + i <= 2 or nodes.tangent[i] @ start.tangent < 0.9:
+            continue
+        a = nodes[i - 1] if i else before
+        fraction = levels[i] / (levels[i] - levels[i + 1])
+        there = problem.correct(a, a.u + fraction * (nodes.u[i] - a.u), start.tangent)
+        if there is not None and np.linalg.norm((there.u - start.u) / problem.scale) < 1e-6:
             end = replace(start, arclength=float(nodes.arclength[i] - levels[i + 1]))
             return nodes[:i].followed_by(Nodes.of([end])), Ended.CLOSED
     refusal = problem.system.refusal

@@ -69,8 +69,8 @@ class Walk:
                 node, bounds[:, 0].copy(), bounds[:, 1].copy(), step, self.ds, count
             )
             if status == kernel.LEFT_WINDOW:
-                yield self._stopped_at_bound(nodes, node)
-                self.ended = Ended.AT_BOUND
+                nodes, self.ended = self._stopped_at_bound(nodes, node)
+                yield nodes
                 return
             if status == kernel.STEP_TOO_SMALL:
                 self.ended = Ended.STEP_TOO_SMALL
@@ -100,15 +100,18 @@ class Walk:
                 continue
             new = replace(new, arclength=node.arclength + step)
             if any(not low <= new.u[k] <= high for k, (low, high) in self.window.items()):
-                yield self._stopped_at_bound(Nodes.of([new]), node)[-1]
-                self.ended = Ended.AT_BOUND
+                nodes, self.ended = self._stopped_at_bound(Nodes.of([new]), node)
+                yield from nodes
                 return
             yield new
             step = kernel.next_step(step, new.iterations, cosine, self.ds)
             node = new
 
-    def _stopped_at_bound(self, nodes: Nodes, before: Node) -> Nodes:
-        """The nodes with the last one, which lies outside the window, moved back onto the bound."""
+    def _stopped_at_bound(self, nodes: Nodes, before: Node) -> tuple[Nodes, Ended]:
+        """The nodes with the last one, which lies outside the window, moved back onto the bound.
+
+        Where no solution is found there (the equations may have a pole at it) the walk has failed before the bound.
+        """
         a = nodes[-2] if len(nodes) > 1 else before
         b = nodes[-1]
         passed = {
@@ -117,23 +120,21 @@ class Walk:
             if not low <= b.u[k] <= high
         }
         fraction, number = min(((bound - a.u[k]) / (b.u[k] - a.u[k]), k) for k, bound in passed.items())
-        bound = passed[number]
         across = np.zeros_like(b.tangent)
         across[number] = 1.0
         u = a.u + fraction * (b.u - a.u)
-        u[number] = bound
+        u[number] = passed[number]
         found = self.problem.correct(a, u, across)
-        if found is None:
-            # nearly tangent to the bound: the secant's hyperplane is within a step of it
-            found = self.problem.correct(a, u, a.tangent)
-        if found is None:
-            return nodes[:-1]
+        step = np.linalg.norm((b.u - a.u) / self.problem.scale)
+        if found is None or not np.linalg.norm((found.u - u) / self.problem.scale) < step:
+            return nodes[:-1], Ended.STEP_TOO_SMALL
+        if np.allclose(found.u / self.problem.scale, a.u / self.problem.scale, rtol=0.0, atol=1e-12):
+            return nodes[:-1], Ended.AT_BOUND  # the walk began on the bound
         if found.tangent @ b.tangent < 0:
             found = self.problem.correct(a, found.u, a.tangent) or b
-        arclength = a.arclength + fraction * (b.arclength - a.arclength)
-        found = replace(found, arclength=arclength)
+        found = replace(found, arclength=a.arclength + fraction * (b.arclength - a.arclength))
         last = Nodes.of([found])
-        return nodes[:-1].followed_by(last) if len(nodes) > 1 else last
+        return (nodes[:-1].followed_by(last) if len(nodes) > 1 else last), Ended.AT_BOUND
 
 
 def point_between(problem: Problem, a: Node, b: Node, fraction: float) -> Node | None:

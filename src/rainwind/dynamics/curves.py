@@ -124,7 +124,7 @@ def _windows(
         raise InputError(
             f"until needs a window (low, high) for each of {', '.join(along)}; got {', '.join(until)}"
         )
-    return [window_of(name, until[name]) for name in along]
+    return [window_of(system, name, until[name]) for name in along]
 
 
 def _allowed(start: Any, kinds: tuple[str, ...], caller: str) -> None:

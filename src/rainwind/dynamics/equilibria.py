@@ -116,7 +116,7 @@ def _start(
     system = as_system(model)
     if not isinstance(along, str) or along not in system.parameters:
         raise unknown_name(str(along), system.parameters, "parameter")
-    low, high = window_of(along, until)
+    low, high = window_of(system, along, until)
     value = system.parameters[along]
     if isinstance(start, Equilibrium | SpecialPoint):
         check_states(system, start)

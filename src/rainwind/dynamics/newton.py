@@ -2,6 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import root
 
 from rainwind.dynamics.equations import Equations
 from rainwind.dynamics.kernels.equations import EQUILIBRIUM
@@ -9,9 +10,16 @@ from rainwind.dynamics.system import System
 
 
 def solve_equilibrium(system: System, guess: np.ndarray) -> tuple[np.ndarray, float] | None:
-    """The equilibrium that Newton reaches from a guess (n,), and its residual; None where it does not converge."""
+    """The equilibrium that Newton reaches from a guess (n,), and its residual; None where it does not converge.
+
+    Where plain Newton runs away, Powell's hybrid method brings the guess near first.
+    """
     problem = Equations(EQUILIBRIUM, system, (), state_scale(guess))
     solution = problem.solve(guess)
+    if solution is None or not np.all(np.isfinite(solution[0])):
+        with np.errstate(all="ignore"):
+            near = root(system.f, guess, jac=system.jacobian, method="hybr")
+        solution = problem.solve(near.x) if np.all(np.isfinite(near.x)) else None
     return solution if solution is not None and np.all(np.isfinite(solution[0])) else None
 
 

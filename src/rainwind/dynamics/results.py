@@ -48,7 +48,7 @@ class Certificate:
         return f"residual {self.residual:.1e}; {checks}" + (f"; {margins}" if margins else "")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class SpecialPoint:
     """A labelled point of a branch or curve.
 
@@ -79,6 +79,9 @@ class SpecialPoint:
     def __getitem__(self, name: str) -> float:
         return _by_name(name, self.states, self.state, self.parameters)
 
+    def __repr__(self) -> str:
+        return f"<{self}>"
+
     def __str__(self) -> str:
         where = ", ".join(f"{name} = {self.parameters[name]:.8g}" for name in self.along)
         omega = "" if self.omega is None else f", omega = {np.round(self.omega, 6)}"
@@ -86,7 +89,7 @@ class SpecialPoint:
         return f"{self.kind} at {where}{omega}{lyapunov}" + (f" ({self.note})" if self.note else "")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Equilibrium:
     """One equilibrium: state (n,), all parameters, eigenvalues (n,) by descending real part."""
 
@@ -100,6 +103,12 @@ class Equilibrium:
     def stable(self) -> bool:
         """Whether all eigenvalues lie left of the imaginary axis."""
         return bool(np.all(self.eigenvalues.real < 0))
+
+    def __repr__(self) -> str:
+        state = ", ".join(
+            f"{name} = {value:.6g}" for name, value in zip(self.states, self.state, strict=True)
+        )
+        return f"<{self.kind} at {state}>"
 
     @property
     def kind(self) -> str:
@@ -141,7 +150,7 @@ class Unexplained:
     change: int
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Branch:
     """Equilibria in one parameter, or points of a curve in two, ordered along the arclength.
 
@@ -167,6 +176,13 @@ class Branch:
     ended: tuple[Ended, Ended]
     unexplained: tuple[Unexplained, ...] = ()
     note: str = ""
+
+    def __repr__(self) -> str:
+        ranges = ", ".join(
+            f"{name} = {self[name].min():.6g} ... {self[name].max():.6g}" for name in self.along
+        )
+        labels = "; ".join(map(str, self.special)) or "none"
+        return f"<{self.kind} in {ranges}: {len(self)} points; special points: {labels}>"
 
     def points(self, kind: str | None = None) -> tuple[SpecialPoint, ...]:
         """The special points of one kind, or all, in order along the branch."""

@@ -44,6 +44,7 @@ class System:
     """A smooth ODE x' = f(x, p), given as a plain Python function.
 
     rhs(x, p) returns one derivative for each state; x and p go by name (`x.y`, `p["wind.speed"]`) or by number.
+    allowed(changes) raises InputError for parameters that make no sense, such as a negative mass.
     Raises TraceError when the right-hand side cannot be recorded, InputError for bad names or values.
     """
 
@@ -54,6 +55,7 @@ class System:
     refusal: Callable[[np.ndarray, Mapping[str, float]], str | None] | None = field(
         default=None, kw_only=True
     )
+    allowed: Callable[[Mapping[str, float]], Any] = field(default=lambda changes: None, kw_only=True)
     tape: Tape = field(default=None, kw_only=True, repr=False)  # type: ignore[assignment]  # traced below
 
     def __post_init__(self) -> None:
@@ -170,6 +172,7 @@ def as_system(model: Any) -> System:
         model.parameters,
         all_states=getattr(model, "all_states", None),
         refusal=getattr(model, "refusal", None) if getattr(model, "refuses", True) else None,
+        allowed=getattr(model, "with_parameters", lambda changes: None),
         tape=tape,  # type: ignore[arg-type]
     )
     if structure is not None:
