@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -79,11 +80,11 @@ def studies(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
             progress(done, 2, what)
         (out / "targets.json").write_text(json.dumps(TARGETS), encoding="utf-8")
 
-    stand_in = SimpleNamespace(
-        run=paper_run,
-        save_figure=lambda study, path, *, model: calls.append((study, path, model)),
-        calls=calls,
-    )
+    def save_figure(study: str, path: Path, *, model: object) -> None:
+        calls.append((study, path, model))
+        path.write_text("picture", encoding="utf-8")
+
+    stand_in = SimpleNamespace(run=paper_run, save_figure=save_figure, calls=calls)
     monkeypatch.setitem(sys.modules, "rainwind.studies.paper_run", stand_in)
     return stand_in
 
@@ -227,13 +228,46 @@ def test_equilibria_at_no_speed(equilibria: list[object], given: str, words: str
 def test_figure(studies: SimpleNamespace, case: Path, tmp_path: Path, number: int):
     out = tmp_path / "pictures" / "a.svg"
     assert f"written to {out}" in run("figure", number, case, "--out", out).out
-    assert studies.calls == [(FIGURES[number], out, paper_model())]
-    assert out.parent.is_dir()
+    ((study, path, model),) = studies.calls
+    assert (study, path.suffix, model) == (FIGURES[number], ".svg", paper_model())
+    assert [one.name for one in out.parent.iterdir()] == ["a.svg"]
 
 
 def test_hopf_map(studies: SimpleNamespace, tmp_path: Path):
     run("hopf-map", "--out", tmp_path / "map.png")
-    assert studies.calls == [("hopf_map", tmp_path / "map.png", paper_model())]
+    ((study, path, model),) = studies.calls
+    assert (study, path.parent, path.suffix, model) == ("hopf_map", tmp_path, ".png", paper_model())
+    assert (tmp_path / "map.png").read_text(encoding="utf-8") == "picture"
+
+
+def test_a_figure_that_fails_leaves_the_old_one(studies, monkeypatch, tmp_path: Path):
+    def fail(study: str, path: Path, *, model: object) -> None:
+        path.write_text("half", encoding="utf-8")
+        raise OSError(28, "No space left on device", str(path))
+
+    monkeypatch.setattr(studies, "save_figure", fail)
+    out = tmp_path / "map.png"
+    out.write_text("old", encoding="utf-8")
+    assert f"{out}: No space left" in run("hopf-map", "--out", out, fine=2).err
+    assert [(one.name, one.read_text(encoding="utf-8")) for one in tmp_path.iterdir()] == [("map.png", "old")]
+
+
+@pytest.mark.parametrize("linked", [False, True])
+@pytest.mark.parametrize(
+    "command", [("equilibria", "--csv"), ("figure", "9", "--out"), ("hopf-map", "--out")]
+)
+def test_the_case_is_not_overwritten_by_the_output(
+    studies, equilibria, tmp_path: Path, command: tuple[str, ...], linked: bool
+):
+    case = tmp_path / "case.png"
+    run("new", case)
+    before = case.read_bytes()
+    out = tmp_path / "link.png" if linked else case
+    if linked:
+        out.symlink_to(case)
+    *words, option = command
+    assert "is the case file itself" in run(*words, case, option, out, fine=2).err
+    assert case.read_bytes() == before
 
 
 @pytest.mark.parametrize(
@@ -366,22 +400,41 @@ def test_output_that_nobody_takes(tmp_path: Path, place: str, code: int, words: 
     assert "Traceback" not in result.stderr
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
-def test_ctrl_c(tmp_path: Path):
-    code = (
-        "import sys, time, types\n"
-        "def run(out, *, progress):\n"
-        "    progress(1, 9, 'figure 4')\n"
-        "    print('ready', flush=True)\n"
-        "    time.sleep(60)\n"
-        "sys.modules['rainwind.studies.paper_run'] = types.SimpleNamespace(run=run)\n"
-        "sys.argv = ['rainwind', 'paper', '--out', 'results']\n"
-        "import rainwind.cli\n"
-        "rainwind.cli.main()\n"
-    )
+# a study that says when it is there and then works on in compiled code, or in steps of Python
+COMPILED = """
+import sys, time, types, numba
+@numba.njit
+def busy(n):
+    total = 0.0
+    for i in range(n):
+        total += i % 7
+    return total
+def save_figure(study, path, *, model):
+    path.write_bytes(b"half")
+    print("ready", flush=True)
+    end = time.monotonic() + 30
+    while time.monotonic() < end:
+        busy(100_000)
+def run(out, *, progress):
+    try:
+        for step in range(200):
+            progress(step, 200, "a step")
+            print("ready", flush=True)
+            time.sleep(0.1)
+    finally:
+        progress(200, 200, "report")
+        (out / "report.html").write_text("done")
+sys.modules["rainwind.studies.paper_run"] = types.SimpleNamespace(run=run, save_figure=save_figure)
+"""
+
+
+def interrupted(code: str, *arguments: str, cwd: Path, wait: float) -> tuple[int, str]:
+    """Exit code and error stream of the program that gets Ctrl-C so many seconds after its first word."""
+    head = f"import sys; sys.argv = ['rainwind', *{arguments!r}]\n"
+    tail = "\nimport rainwind.cli\nprint('ready', flush=True)\nrainwind.cli.main()\n"
     process = subprocess.Popen(
-        [sys.executable, "-c", code],
-        cwd=tmp_path,
+        [sys.executable, "-c", head + code + tail],
+        cwd=cwd,
         env=environment(),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -390,8 +443,43 @@ def test_ctrl_c(tmp_path: Path):
     assert process.stdout is not None
     while "ready" not in process.stdout.readline():
         assert process.poll() is None
+    time.sleep(wait)
     process.send_signal(signal.SIGINT)
-    _, err = process.communicate(timeout=30)
-    assert process.returncode == 130
-    assert "stopped; what was finished is in results" in err
+    _, err = process.communicate(timeout=60)
+    return process.returncode, err
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
+@pytest.mark.parametrize("wait", [0.05, 0.4, 1.0, 2.5])
+def test_ctrl_c_at_a_figure(tmp_path: Path, wait: float):
+    code, err = interrupted(COMPILED, "figure", "9", "--out", "a.png", cwd=tmp_path, wait=wait)
+    assert code == 130
+    assert err.endswith("rainwind: interrupted\n")
     assert "Traceback" not in err
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
+@pytest.mark.parametrize("wait", [0.2, 0.7])
+def test_ctrl_c_at_the_real_hopf_map(tmp_path: Path, wait: float):
+    code, err = interrupted("", "hopf-map", "--out", "map.png", cwd=tmp_path, wait=wait)
+    assert code == 130
+    assert "Traceback" not in err
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
+def test_ctrl_c_at_the_paper_keeps_what_is_done(tmp_path: Path):
+    code, err = interrupted(COMPILED, "paper", "--out", "results", cwd=tmp_path, wait=2.0)
+    assert code == 130
+    assert "stopping after this step" in err
+    assert err.endswith("rainwind: stopped; what was finished is in results\n")
+    assert (tmp_path / "results" / "report.html").read_text() == "done"
+
+
+def test_an_interrupt_that_compiled_code_hid(studies, monkeypatch, tmp_path: Path):
+    def fail(*_: object, **__: object) -> None:
+        raise SystemError("returned a result with an exception set") from KeyboardInterrupt()
+
+    monkeypatch.setattr(studies, "save_figure", fail)
+    assert run("hopf-map", "--out", tmp_path / "a.png", fine=130).err.endswith("rainwind: interrupted\n")

@@ -23,6 +23,13 @@ from rainwind.cli_output import (
     print_targets,
     progress_bar,
 )
+from rainwind.cli_work import (
+    is_interrupt,
+    raise_if_asked,
+    run_aside,
+    stopping_between_steps,
+    unfinished,
+)
 from rainwind.errors import InputError, RainwindError
 
 __all__ = ["app", "main"]
@@ -69,8 +76,9 @@ def _report(error: BaseException) -> int:
     if isinstance(error, BrokenPipeError):  # `rainwind equilibria | head`: nobody is left to read
         _discard_output()
         return Exit.BROKEN_PIPE.value
-    if isinstance(error, KeyboardInterrupt):
-        code, text = Exit.INTERRUPTED, text or "stopped"
+    if is_interrupt(error):
+        own = isinstance(error, KeyboardInterrupt) and text
+        code, text = Exit.INTERRUPTED, text if own else "interrupted"
     elif isinstance(error, InputError):
         code = Exit.BAD_INPUT
     elif isinstance(error, OSError):
@@ -135,15 +143,17 @@ def paper(
     announce_compilation()
     run = import_module("rainwind.studies.paper_run").run
     try:
-        with progress_bar() as bar:
+        with progress_bar() as bar, stopping_between_steps():
             task = bar.add_task("starting", total=None)
-            run(
-                out,
-                progress=lambda done, total, what: bar.update(
-                    task, completed=done, total=total, description=what
-                ),
-            )
-    except KeyboardInterrupt:
+
+            def progress(done: int, total: int, what: str) -> None:
+                bar.update(task, completed=done, total=total, description=what)
+                raise_if_asked()
+
+            run(out, progress=progress)
+    except (KeyboardInterrupt, SystemError) as error:
+        if not is_interrupt(error):
+            raise
         raise KeyboardInterrupt(f"stopped; what was finished is in {out}") from None
     print_targets(out / "targets.json")
     typer.echo(f"written to {out}: report.html, targets.json, figures and data")
@@ -163,6 +173,7 @@ def figure(
         reason = f" {_LATER[number]} and comes with a later version" if number in _LATER else " is no result"
         raise InputError(f"figure {number}{reason}; choose one of {known}")
     out = image_path(out or Path(f"figure_{number:02d}.png"))
+    _not_the_case(out, case)
     _draw(FIGURES[number], _model(case), out)
 
 
@@ -172,7 +183,8 @@ def hopf_map(
     out: Annotated[Path, typer.Option("--out", help="Image file (.png, .svg, .pdf).")] = Path("hopf_map.png"),
 ) -> None:
     """Draw where the equilibria lose stability over wind speed and damping."""
-    _draw("hopf_map", _model(case), image_path(out))
+    _not_the_case(image_path(out), case)
+    _draw("hopf_map", _model(case), out)
 
 
 @app.command()
@@ -184,6 +196,8 @@ def equilibria(
     csv_file: Annotated[Path | None, typer.Option("--csv", help="Write the table to this file too.")] = None,
 ) -> None:
     """List all equilibria at one wind speed, with their kind and stability."""
+    if csv_file is not None:
+        _not_the_case(csv_file, case)
     model = _model(case)
     if speed is not None:
         from rainwind.parameters import replace_parameters
@@ -199,7 +213,7 @@ def equilibria(
     typer.echo("all there are, certified" if found.complete else f"perhaps not all: {found.note}")
     print_table(header, [[f"{x:.4f}" if isinstance(x, float) else str(x) for x in row] for row in rows])
     if csv_file is not None:
-        with csv_file.open("w", newline="", encoding="utf-8") as file:
+        with unfinished(csv_file) as part, part.open("w", newline="", encoding="utf-8") as file:
             csv.writer(file, lineterminator="\n").writerows([header, *rows])
         typer.echo(f"written to {csv_file}")
 
@@ -232,7 +246,12 @@ def check(case: Annotated[Path, typer.Argument(metavar="CASE", help="Case file (
 
 def main() -> None:
     """Entry point of the `rainwind` program."""
-    app()
+    run_aside(app)
+
+
+def _not_the_case(out: Path, case: Path | None) -> None:
+    if case is not None and out.exists() and case.exists() and out.samefile(case):
+        raise InputError(f"{out}: is the case file itself; choose another name for the output")
 
 
 def _model(case: Path | None) -> Any:
@@ -259,7 +278,9 @@ def _speed(text: str) -> float:
 def _draw(study: str, model: Any, out: Path) -> None:
     make_folder(out.parent)
     announce_compilation()
-    import_module("rainwind.studies.paper_run").save_figure(study, out, model=model)
+    save_figure = import_module("rainwind.studies.paper_run").save_figure
+    with unfinished(out) as part:
+        save_figure(study, part, model=model)
     typer.echo(f"written to {out}")
 
 
