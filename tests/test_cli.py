@@ -144,6 +144,17 @@ def test_check(case: Path, tmp_path: Path):
     assert "no such file" in run("check", tmp_path / "none.toml", fine=2).err
 
 
+def test_unusual_numbers_are_told_and_are_no_error(equilibria: list[object], case: Path):
+    text = case.read_text(encoding="utf-8")
+    case.write_text(text.replace("diameter_mm = 100.0", "diameter_m = 79"), encoding="utf-8")
+    out = run("check", case).out
+    assert f"{case}: [section] diameter_mm = 79000, which is unusual: usual is 40 to 400" in out
+    assert f"{case}: no fault, but 2 unusual numbers\n" in out
+    result = run("equilibria", case)
+    assert "diameter_mm = 79000, which is unusual" in result.err
+    assert "unusual" not in result.out
+
+
 def test_equilibria(equilibria: list[object], tmp_path: Path):
     result = run("equilibria", "--csv", tmp_path / "new" / "a.csv")
     assert "the paper's sample case" in result.err
@@ -215,6 +226,8 @@ def test_equilibria_at_a_speed(equilibria: list[object], case: Path, given: str,
         ("0", "above 0"),
         ("-3", "above 0"),
         ("nan", "not finite"),
+        ("1e200", "'1e200' is too fast: allowed is up to 100 m/s"),
+        ("400 km/h", "up to 100 m/s"),
         ("fast", "9 m/s"),
         ("9 kg", "no unit of a speed"),
     ],

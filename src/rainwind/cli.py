@@ -237,11 +237,15 @@ def new(
 
 @app.command()
 def check(case: Annotated[Path, typer.Argument(metavar="CASE", help="Case file (TOML).")]) -> None:
-    """Say what is wrong with a case file, every fault with its line."""
+    """Say what is wrong with a case file, every fault with its line, and which numbers are unusual."""
     from rainwind.io.cases import read_case
+    from rainwind.io.usual import unusual
 
-    read_case(case)
-    typer.echo(f"{case}: fine")
+    found = unusual(read_case(case))
+    for sentence in found:
+        typer.echo(f"{case}: {sentence}")
+    count = "1 unusual number" if len(found) == 1 else f"{len(found)} unusual numbers"
+    typer.echo(f"{case}: no fault, but {count}" if found else f"{case}: fine")
 
 
 def main() -> None:
@@ -257,20 +261,28 @@ def _not_the_case(out: Path, case: Path | None) -> None:
 def _model(case: Path | None) -> Any:
     if case is not None:
         from rainwind.io.cases import read_case
+        from rainwind.io.usual import unusual
 
-        return read_case(case)
+        model = read_case(case)
+        for sentence in unusual(model):
+            typer.echo(f"{case}: {sentence}", err=True)
+        return model
     typer.echo("no case file given: the paper's sample case", err=True)
     return import_module("rainwind.physics.model").paper_model()
 
 
 def _speed(text: str) -> float:
     from rainwind.io.units import KINDS, from_text
+    from rainwind.io.usual import FASTEST
 
     try:
         try:
-            return float(text)
+            speed = float(text)
         except ValueError:
-            return from_text(text, KINDS["speed"])
+            speed = from_text(text, KINDS["speed"])
+        if speed > FASTEST:
+            raise InputError(f"is too fast: allowed is up to {FASTEST:g} m/s; correct the number or its unit")
+        return speed
     except InputError as error:
         raise InputError(f"--speed '{text}' {error}") from error
 

@@ -153,6 +153,13 @@ FAULTS = {
     ),
     "negative mass": ("mass_kg_m", "mass_kg_m = -50", ["line 13", "mass_kg_m = -50", "above 0"]),
     "no wind": ("speed_m_s", "speed_m_s = 0", ["speed_m_s = 0", "above 0", "density"]),
+    "faster than any wind": (
+        "speed_m_s",
+        "speed_m_s = 1e9",
+        ["line 7", "1e+09 m/s; allowed is up to 100 m/s"],
+    ),
+    "rivulet as high as the cable": ("height_mm", "height_mm = 200", ["line 24", "200 mm", "thick, 100 mm"]),
+    "diameter below the rivulet": ("diameter_mm", "diameter_mm = 0.079", ["height_mm = 10", "0.079 mm"]),
     "negative density": ("density_kg_m3", "density_kg_m3 = -1", ["0 or more"]),
     "negative damping": ("damping_percent", "damping_percent = -1", ["damping_percent = -1", "0 or more"]),
     "negative damping of one": (

@@ -9,6 +9,7 @@ from rainwind.io.case_keys import Given, check_top, read_table
 from rainwind.io.faults import Faults
 from rainwind.io.lines import key_lines
 from rainwind.io.schema import NUMBERS, TABLES, Number
+from rainwind.io.usual import FASTEST
 from rainwind.physics.coefficient_files import load_coefficients, shipped_sets
 from rainwind.physics.coefficients import CoefficientSet
 from rainwind.physics.model import RivuletModel
@@ -45,6 +46,7 @@ def model_from_text(text: str, name: str = "case", folder: Path | None = None) -
     check_top(content, faults)
     values = {table: read_table(table, content.get(table, {}), faults) for table in TABLES}
     records = {table: _record(table, values[table], faults) for table in _RECORDS}
+    _check_possible(values, records, faults)
     coefficients = _coefficients(values["coefficients"], folder or Path(), faults)
     choices = _choices(values, faults)
     faults.raise_any()
@@ -99,6 +101,27 @@ def _record(table: str, values: dict[str, Given], faults: Faults) -> Any:
     except InputError as error:
         faults.add(str(error), table)
         return None
+
+
+def _check_possible(values: dict[str, dict[str, Given]], records: dict[str, Any], faults: Faults) -> None:
+    """What no bridge can have, though the equations could be solved for it."""
+    speed = values["wind"].get("speed")
+    if speed is not None and speed.value > FASTEST:
+        faults.add(
+            f"{speed.key} = {speed.raw!r} is {speed.value:g} m/s; allowed is up to {FASTEST:g} m/s; correct the "
+            "number or its unit",
+            "wind",
+            speed.key,
+        )
+    section, rivulet = records["section"], records["rivulet"]
+    if section is not None and rivulet is not None and rivulet.height >= section.diameter:
+        height = values["rivulet"]["height"]
+        faults.add(
+            f"{height.key} = {height.raw!r}: a rivulet of {1000 * rivulet.height:g} mm is as high as the cable is "
+            f"thick, {1000 * section.diameter:g} mm; correct either number or its unit",
+            "rivulet",
+            height.key,
+        )
 
 
 def _refusal(item: Number, given: Given, error: InputError) -> str:

@@ -1,0 +1,113 @@
+"""Usual ranges of a case's numbers: a number outside is most likely a slip in its unit. They forbid nothing.
+
+Where no source is named, the range is an engineer's judgement, chosen wide.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import pi, radians
+
+from rainwind.io.schema import NUMBERS
+from rainwind.io.units import KINDS, Kind, written
+from rainwind.physics.model import RivuletModel
+
+__all__ = ["FASTEST", "USUAL", "Range", "unusual"]
+
+FASTEST = 100.0  # m/s: no wind that a bridge has seen is faster; a number above it is a slip
+
+
+@dataclass(frozen=True)
+class Range:
+    """What is usual for a parameter, in SI and radians, and why."""
+
+    low: float
+    high: float
+    why: str
+    zero: bool = False  # zero is usual too
+
+
+_JUDGED = "engineer's judgement"
+_DAMPING = Range(
+    0.0001, 0.03, "real stays have 0.05 to 0.2 %, with dampers up to some per cent (engineer's judgement)"
+)
+_FREQUENCY = Range(0.1, 10.0, f"the modes of stays that rain and wind excite ({_JUDGED})")
+USUAL = {
+    "wind.speed": Range(1.0, 50.0, "rain-wind vibration is seen at 5 to 20 m/s, bridges are built for 50"),
+    "wind.yaw": Range(
+        radians(2.0), pi, f"a smaller one is most likely meant in radians ({_JUDGED})", zero=True
+    ),
+    "wind.density": Range(0.9, 1.5, "air from 2500 m height to the sea, -30 to 40 C", zero=True),
+    "section.diameter": Range(0.04, 0.4, f"stay cables measure 80 to 300 mm ({_JUDGED})"),
+    "section.mass": Range(3.0, 400.0, f"steel strands in a pipe of that diameter ({_JUDGED})"),
+    "section.frequency_y": _FREQUENCY,
+    "section.frequency_z": _FREQUENCY,
+    "section.damping_ratio": _DAMPING,
+    "section.damping_ratio_y": _DAMPING,
+    "section.damping_ratio_z": _DAMPING,
+    "section.inclination": Range(
+        radians(5.0), pi / 2, f"a smaller one is most likely meant in radians ({_JUDGED})", zero=True
+    ),
+    "rivulet.mass": Range(0.002, 1.0, f"water some millimetres high and some centimetres wide ({_JUDGED})"),
+    "rivulet.height": Range(0.0005, 0.02, f"surface tension holds no higher rivulet ({_JUDGED})"),
+    "rivulet.friction": Range(
+        0.0005, 5.0, f"a hundredth to a hundred times the sample case's, measured by nobody ({_JUDGED})"
+    ),
+}
+_SOLID = Range(1000.0, 8000.0, "water has 1000, solid steel 7850 kg/m3")
+
+
+def unusual(model: RivuletModel) -> list[str]:
+    """A sentence for each number of the model that is outside its usual range; none is an error."""
+    return list(_sentences(model))
+
+
+def _sentences(model: RivuletModel) -> Iterator[str]:
+    values = model.parameters
+    section = model.section
+    both = section.frequency_y == section.frequency_z
+    apart = section.damping_ratio_y is not None and section.damping_ratio_z is not None
+    for name, usual in USUAL.items():
+        hidden = (both and name == "section.frequency_z") or (apart and name == "section.damping_ratio")
+        value = values.get(name)
+        if value is None or hidden or _is_usual(value, usual):
+            continue
+        table, _, field = name.partition(".")
+        key, kind = _key(table, field)
+        if both and field == "frequency_y":
+            key = "frequency"
+        suffix, shown = written(value, kind)
+        yield _sentence(f"[{table}] {key}_{suffix} = {shown:.6g}", usual, kind, suffix)
+    density = section.mass / (pi / 4 * section.diameter**2)
+    if not _is_usual(density, _SOLID):
+        yield _sentence(
+            f"[section] mass and diameter make a cable of {density:.3g} kg/m3",
+            _SOLID,
+            KINDS["density"],
+            "kg_m3",
+        )
+    if model.rivulet.mass >= 0.1 * section.mass:
+        yield (
+            f"[rivulet] mass is {model.rivulet.mass / section.mass:.2g} times the cable's, which is unusual: "
+            "a rivulet weighs a few thousandths of it"
+        )
+
+
+def _is_usual(value: float, usual: Range) -> bool:
+    slack = 1e-9
+    size = abs(value)
+    return (usual.zero and size == 0) or usual.low * (1 - slack) <= size <= usual.high * (1 + slack)
+
+
+def _key(table: str, field: str) -> tuple[str, Kind]:
+    return next((item.name, item.kind) for item in NUMBERS if (item.table, item.field) == (table, field))
+
+
+def _sentence(given: str, usual: Range, kind: Kind, suffix: str) -> str:
+    low, high = (_in_unit(bound, kind, suffix) for bound in (usual.low, usual.high))
+    nothing = "0 or " if usual.zero else ""
+    return f"{given}, which is unusual: usual is {nothing}{low:.4g} to {high:.4g}; {usual.why}"
+
+
+def _in_unit(value: float, kind: Kind, suffix: str) -> float:
+    factor, divisor = kind.suffixes[suffix]
+    return value * divisor / factor

@@ -1,0 +1,60 @@
+"""Numbers that are allowed and most likely slips of a unit: each gives one sentence, none an error."""
+
+import re
+
+import pytest
+
+from rainwind.io.case_files import new_case_text
+from rainwind.io.cases import model_from_text
+from rainwind.io.usual import USUAL, unusual
+from rainwind.physics import paper_model
+
+
+def with_line(key: str, line: str) -> str:
+    text, count = re.subn(rf"(?m)^{key} = .*$", lambda _: line, new_case_text(), count=1)
+    assert count == 1
+    return text
+
+
+def test_the_sample_case_is_usual():
+    assert unusual(paper_model()) == []
+    assert unusual(paper_model().with_parameters({"wind.yaw": -0.6, "wind.speed": 20.0})) == []
+
+
+def test_every_range_has_a_reason_and_is_of_a_parameter():
+    apart = model_from_text(with_line("damping_percent", "damping_y_percent = 1\ndamping_z_percent = 2"))
+    assert set(USUAL) <= set(apart.parameters)
+    assert all(0 < usual.low < usual.high and usual.why for usual in USUAL.values())
+
+
+@pytest.mark.parametrize(
+    ("key", "line", "words"),
+    [
+        (
+            "diameter_mm",
+            "diameter_m = 79",
+            "[section] diameter_mm = 79000, which is unusual: usual is 40 to 400",
+        ),
+        ("damping_percent", "damping_ratio = 10", "[section] damping_percent = 1000, which is unusual"),
+        ("damping_percent", "damping_percent = 0.002", "usual is 0.01 to 3"),
+        ("yaw_deg", "yaw_deg = 0.5236", "[wind] yaw_deg = 0.5236, which is unusual: usual is 0 or 2 to 180"),
+        ("inclination_deg", "inclination_deg = 0.7854", "meant in radians"),
+        ("mass_kg_m", "mass_kg_m = 3920", "[section] mass_kg_m = 3920"),
+        ("frequency_Hz", "frequency_Hz = 100", "[section] frequency_Hz = 100"),
+        ("height_mm", "height_mm = 50", "[rivulet] height_mm = 50"),
+        ("friction_Nms", "friction_Nms = 50", "[rivulet] friction_Nms = 50"),
+        ("speed_m_s", "speed_m_s = 60", "[wind] speed_m_s = 60"),
+        ("density_kg_m3", "density_kg_m3 = 1225", "[wind] density_kg_m3 = 1225"),
+    ],
+)
+def test_unusual_numbers(key: str, line: str, words: str):
+    sentences = unusual(model_from_text(with_line(key, line)))
+    assert any(words in sentence for sentence in sentences), sentences
+
+
+def test_a_rivulet_heavier_than_the_cable_and_a_cable_heavier_than_steel():
+    model = paper_model().with_parameters({"rivulet.mass": 200.0, "section.diameter": 0.05})
+    mass, density, share = unusual(model)
+    assert "[rivulet] mass_kg_m = 200" in mass
+    assert "2.55e+04 kg/m3" in density
+    assert "4 times the cable's" in share
