@@ -63,8 +63,7 @@ def compute(model: RivuletModel | None = None) -> Result:
     balance, contact = {}, None
     if known.onset is not None:
         balance = {speed: _needed(model, speed, -alpha) for speed in (known.onset, 1.25 * known.onset)}
-        upper = known["D"]
-        fold = min(upper.folds, key=lambda p: p.parameter) if upper else None
+        fold = known.fold
         if fold is not None:
             at = -fold["phi"]
             contact = at, float(own.moment_at(at, model.outside))

@@ -10,6 +10,7 @@ from rainwind.dynamics.equilibria import continue_equilibria
 from rainwind.dynamics.results import Branch, SpecialPoint
 from rainwind.errors import ComputationError
 from rainwind.studies.equilibrium_map import EquilibriumMap
+from rainwind.studies.walks import whole
 
 ALONG = ("wind.speed", "section.damping_ratio")
 _SCANNED = (0.03, 0.1, 0.3, 0.65)  # parts of the window of damping at which Hopf points are looked for
@@ -48,14 +49,14 @@ def hopf_curves(
             walked = continue_equilibria(
                 at, ALONG[0], start=branch.state[middle], until=known.speeds, ds=_COARSE
             )
-            starts += walked.points("hopf")
+            starts += whole(walked).points("hopf")
     until = {ALONG[0]: known.speeds, ALONG[1]: ratios}
     while starts:
         point = starts.pop(0)
         if any(_on_curve(curve, point) for curve in curves):
             continue
         try:
-            curve = continue_hopf(known.model, ALONG, start=point, until=until, ds=ds)
+            curve = whole(continue_hopf(known.model, ALONG, start=point, until=until, ds=ds))
         except ComputationError:  # a point at the window's very edge
             continue
         curves.append(curve)
@@ -96,18 +97,16 @@ def pieces_of(known: EquilibriumMap, curve: Branch) -> list[HopfPiece]:
 
 def fold_curve(known: EquilibriumMap, ratios: tuple[float, float]) -> Branch | None:
     """The curve of the fold in which D begins; None without one."""
-    upper = known["D"]
-    if upper is None or not upper.folds:
+    point = known.fold
+    if point is None:
         return None
-    point = min(upper.folds, key=lambda p: p.parameter)
     ratio = point.parameters[ALONG[1]]
     if not ratios[0] <= ratio <= ratios[1]:
         # statics do not depend on damping: the fold is the same at any ratio
         inside = {**point.parameters, ALONG[1]: 0.5 * sum(ratios)}
         point = replace(point, parameters=inside)
-    return continue_fold(
-        known.model, ALONG, start=point, until={ALONG[0]: known.speeds, ALONG[1]: ratios}, ds=0.5
-    )
+    until = {ALONG[0]: known.speeds, ALONG[1]: ratios}
+    return whole(continue_fold(known.model, ALONG, start=point, until=until, ds=0.5))
 
 
 def critical_point(
@@ -126,12 +125,12 @@ def critical_point(
     window = (max(known.speeds[0], 0.85 * speed), min(known.speeds[1], 1.15 * speed))
     at = known.model.with_parameters({ALONG[0]: speed, ALONG[1]: 0.99 * ratio})
     try:
-        near = continue_equilibria(at, ALONG[0], start=state, until=window).points("hopf")
+        near = whole(continue_equilibria(at, ALONG[0], start=state, until=window)).points("hopf")
         start = min(near, key=lambda p: abs(p.parameter - speed), default=None)
         if start is None:
             return speed, ratio
         until = {ALONG[0]: window, ALONG[1]: (0.98 * ratio, 1.01 * ratio)}
-        fine = continue_hopf(at, ALONG, start=start, until=until)
+        fine = whole(continue_hopf(at, ALONG, start=start, until=until))
     except ComputationError:
         return speed, ratio
     return _where_largest(fine), fine.extremum(ALONG[1])

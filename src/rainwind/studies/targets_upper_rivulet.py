@@ -12,6 +12,7 @@ import numpy as np
 from rainwind.dynamics.curves import continue_hopf
 from rainwind.dynamics.equilibria import continue_equilibria, find_equilibria
 from rainwind.dynamics.results import Branch, Equilibrium, SpecialPoint
+from rainwind.studies.walks import whole
 
 SPEEDS = (2.0, 30.0)  # m/s
 RATIOS = (5e-5, 0.05)
@@ -68,7 +69,7 @@ def upper_rivulet(model: Any, *, ratio: float | None = None) -> UpperRivulet | N
         at = model.with_parameters({"wind.speed": float(speed)})
         _, above = lower_and_upper(find_equilibria(at), at.beta)
         if len(above) > 2:  # B, D, C in the order of phi
-            branch = continue_equilibria(at, "wind.speed", start=above[1], until=SPEEDS)
+            branch = whole(continue_equilibria(at, "wind.speed", start=above[1], until=SPEEDS))
             return _read(branch) if branch.points("fold") else None
     return None
 
@@ -114,7 +115,7 @@ def hopf_curves(model: Any) -> list[tuple[Branch, float]]:
     along = ("wind.speed", "section.damping_ratio")
     fold = upper.fold["phi"]
     # the large window counts as 20 units of arclength: the curve's top needs shorter steps
-    return [(continue_hopf(model, along, start=p, until=until, ds=0.02), fold) for p in upper.on_d]
+    return [(whole(continue_hopf(model, along, start=p, until=until, ds=0.02)), fold) for p in upper.on_d]
 
 
 def _read(branch: Branch) -> UpperRivulet:
