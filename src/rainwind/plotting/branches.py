@@ -1,6 +1,6 @@
 """Branches of equilibria and Hopf curves as lines: stable solid, unstable dashed, special points marked."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -41,6 +41,35 @@ def draw_branch(
     for point in branch.points():
         mark(axes, point.kind, point[against], scale * point[of], color=color)
     return axes
+
+
+def label_points(
+    axes: Axes,
+    points: Sequence[tuple[float, float, str]],
+    *,
+    offset: float,
+    side: str = "center",
+    gap: float = 0.16,
+) -> None:
+    """Labels (x, y, text) above (offset > 0, points) or below: those closer than `gap` of the width share a place.
+
+    side: where the text goes; near an edge of the axes, always inward.
+    """
+    low, high = axes.get_xlim()
+    groups: list[list[tuple[float, float, str]]] = []
+    for point in sorted(points):
+        if groups and point[0] - groups[-1][-1][0] < gap * (high - low):
+            groups[-1].append(point)
+        else:
+            groups.append([point])
+    for group in groups:
+        x, y, _ = group[-1 if side == "left" else 0]
+        part = (x - low) / (high - low)
+        align = "right" if part > 0.8 else "left" if part < 0.15 and side == "center" else side
+        axes.annotate(
+            "\n".join(text for _, _, text in group), (x, y), xytext=({"left": 3, "right": -3}.get(align, 0), offset),
+            textcoords="offset points", ha=align, va="bottom" if offset > 0 else "top", fontsize=7,
+        )  # fmt: skip
 
 
 def mark(axes: Axes, kind: str, x: float, y: float, *, color: str = style.BLACK) -> None:

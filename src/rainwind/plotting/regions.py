@@ -8,7 +8,7 @@ from rainwind.plotting import style
 
 
 def shade_absent(axes: Axes, low: float, onset: float, bottom: float, top: float) -> None:
-    """The region without an upper rivulet, left of the fold."""
+    """A region without an upper rivulet, left of the fold or beyond D's end."""
     axes.fill_between([low, onset], bottom, top, color=style.ABSENT, linewidth=0, zorder=0)
 
 

@@ -1,8 +1,9 @@
 """How every printed figure looks: sizes, type, lines, colours; and how it is saved, the same bytes each time."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import matplotlib as mpl
@@ -76,6 +77,12 @@ def save(figure: Figure, path: Path | str, *, dpi: float = 200.0) -> None:
 def panel(axes: Axes, letter: str, text: str = "") -> None:
     """The panel's letter, and what it shows, above its left edge."""
     axes.set_title(f"({letter}) {text}".rstrip(), loc="left", pad=4.0)
+
+
+def below(figure: Figure, notes: Sequence[str], *, letters: int = 66) -> None:
+    """Notes under a figure, in lines of so many letters (66 fill a column); nothing without notes."""
+    if notes:
+        figure.supxlabel(fill("; ".join(notes), letters), fontsize=7.0, x=0.01, ha="left")
 
 
 def note(axes: Axes, text: str, *, x: float = 0.5, y: float = 0.5, **kwargs: object) -> None:

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from rainwind.io.results import Table
 from rainwind.physics.model import RivuletModel
 from rainwind.plotting import style
-from rainwind.plotting.branches import draw_branch
+from rainwind.plotting.branches import draw_branch, label_points
 from rainwind.studies import paper
 from rainwind.studies.branch_tables import equilibrium_tables
 from rainwind.studies.equilibrium_map import EquilibriumMap, equilibrium_map, speed_window
@@ -45,6 +45,9 @@ def draw(result: Result, figure: Figure) -> Figure:
         axes = figure.add_subplot()
         for branch in known.branches:
             draw_branch(branch, axes, "phi", scale=np.degrees(1.0))
+        for side in known.outside:
+            speed, state = side.states()
+            axes.plot(speed, np.degrees(state[:, 1]), color=style.ABSENT, linewidth=6.0, zorder=0.5)
         axes.set(xlim=known.speeds, xlabel=style.UNDISTURBED, ylabel=r"rivulet angle $\phi$ (°)")
         low, high = axes.get_ylim()
         axes.set_ylim(min(-30.0, low), max(240.0, high))
@@ -60,6 +63,8 @@ def draw(result: Result, figure: Figure) -> Figure:
                     fontweight="bold",
                 )  # fmt: skip
         _name_points(result, axes)
+        grey = ["grey: outside the coefficients' range"] if known.outside else []
+        style.below(figure, [*grey, *known.notes])
     return figure
 
 
@@ -68,21 +73,35 @@ def _name_points(result: Result, axes: Axes) -> None:
     if upper is None:
         style.note(axes, "no upper rivulet D in this window", y=0.62)
         return
-    if result.onset is not None:
-        fold = min(upper.folds, key=lambda p: p.parameter)
+    fold = result.equilibria.fold
+    if fold is not None:
         axes.annotate(
             f"fold {fold.parameter:.2f} m/s", (fold.parameter, np.degrees(fold["phi"])), xytext=(-5, 0),
             textcoords="offset points", ha="right", va="center", fontsize=7,
         )  # fmt: skip
-    for side, beside, below in ((across, (-2, 7), (-2, 7)), (upper, (-3, -13), (0, -11))):
-        for point in side.points("hopf") if side else ():
-            # next to the fold there is room on the left only
-            close = side is across or point.parameter < 1.1 * (result.onset or 0.0)
-            axes.annotate(
-                f"Hopf {point.parameter:.2f} m/s", (point.parameter, np.degrees(point["phi"])),
-                xytext=beside if close else below, textcoords="offset points",
-                ha="right" if close else "center", fontsize=7, va="baseline",
-            )  # fmt: skip
+    for side, offset in ((across, 5.0), (upper, -5.0)):
+        found = [
+            (point.parameter, float(np.degrees(point["phi"])), f"Hopf {point.parameter:.2f} m/s")
+            for point in (side.points("hopf") if side else ())
+        ]
+        # next to the fold there is room on the left only
+        near = [p for p in found if p[0] < 1.1 * (result.onset or 0.0)]
+        label_points(axes, near, offset=offset, side="right")
+        label_points(axes, [p for p in found if p not in near], offset=offset)
+
+
+def summary(result: Result) -> list[str]:
+    """Plain sentences: where D begins and ends, and the notes."""
+    known = result.equilibria
+    if known.reach is None:
+        return [
+            f"There is no upper rivulet D between {known.speeds[0]:g} and {known.speeds[1]:g} m/s.",
+            *known.notes,
+        ]
+    begins = (
+        f"The upper rivulet D exists above {known.onset:.2f} m/s (fold)." if known.onset is not None else None
+    )
+    return [*([begins] if begins else []), *known.notes]
 
 
 def tables(result: Result) -> dict[str, Table]:

@@ -15,7 +15,7 @@ from rainwind.dynamics.results import SpecialPoint
 from rainwind.io.results import Column, Table
 from rainwind.physics.model import RivuletModel
 from rainwind.plotting import style
-from rainwind.plotting.branches import mark
+from rainwind.plotting.branches import label_points, mark
 from rainwind.studies import paper
 from rainwind.studies.branch_tables import equilibrium_tables
 from rainwind.studies.equilibrium_map import EquilibriumMap, Side, equilibrium_map, speed_window
@@ -84,9 +84,11 @@ def draw(result: Result, figure: Figure) -> Figure:
             style.note(whole, "no upper rivulet D in this window")
             near.set_axis_off()
             near.set_title("")
+            style.below(figure, result.equilibria.notes, letters=130)
             return figure
         _whole(result, whole)
         _near(result, near)
+        style.below(figure, result.equilibria.notes, letters=130)
     return figure
 
 
@@ -105,13 +107,17 @@ def _whole(result: Result, axes: Axes) -> None:
             f"fold {onset:.2f} m/s:\nD is born\n{unstable}", (onset, start), xytext=(-7, 0), textcoords="offset points",
             ha="right", va="center", fontsize=7,
         )  # fmt: skip
-    for number, point in enumerate(result.hopf_on_d):
-        name = r"$U_{H2}$" if number == len(result.hopf_on_d) - 1 else "Hopf"
+    # of the Hopf points only those where the drawn curve itself crosses zero
+    crossed = [p for p in result.hopf_on_d if p.eigenvalues.real.max() < 1e-5]
+    for point in crossed:
         mark(axes, "hopf", point.parameter, 0.0)
-        axes.annotate(
-            f"{name} = {point.parameter:.2f} m/s", (point.parameter, 0.0), xytext=(5, 5),
-            textcoords="offset points", fontsize=7,
-        )  # fmt: skip
+    names = ["Hopf"] * len(crossed)
+    if crossed and np.interp(crossed[-1].parameter * 1.01, speed, growth) < 0:
+        names[-1] = r"$U_{H2}$"
+    texts = [
+        (p.parameter, 0.0, f"{name} = {p.parameter:.2f} m/s") for p, name in zip(crossed, names, strict=True)
+    ]
+    label_points(axes, texts, offset=5.0, side="left", gap=0.25)
 
 
 def _near(result: Result, axes: Axes) -> None:
@@ -158,3 +164,21 @@ def tables(result: Result) -> dict[str, Table]:
             }
         )
     return found
+
+
+def summary(result: Result) -> list[str]:
+    """Plain sentences: where D begins, its Hopf points, and the notes."""
+    known = result.equilibria
+    if known.reach is None:
+        return [
+            f"There is no upper rivulet D between {known.speeds[0]:g} and {known.speeds[1]:g} m/s.",
+            *known.notes,
+        ]
+    said = (
+        [f"The upper rivulet D exists above {known.onset:.2f} m/s (fold)."] if known.onset is not None else []
+    )
+    at = ", ".join(f"{point.parameter:.2f}" for point in result.hopf_on_d)
+    said.append(
+        f"Hopf points on D at {at} m/s." if at else f"D has no Hopf point up to {known.speeds[1]:g} m/s."
+    )
+    return [*said, *known.notes]

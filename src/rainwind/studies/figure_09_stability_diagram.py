@@ -21,17 +21,17 @@ from rainwind.plotting.branches import mark
 from rainwind.plotting.regions import draw_fold, draw_hopf, roomiest, shade_absent, shade_unstable
 from rainwind.studies import paper
 from rainwind.studies.branch_tables import diagram_tables
-from rainwind.studies.stability_diagram import StabilityDiagram, stability_diagram
+from rainwind.studies.stability_diagram import DAMPING_ALIKE, StabilityDiagram, sentences, stability_diagram
 
 PERCENT = 100.0
 
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """The diagram, and the damping ratio of the model it was computed for."""
+    """The diagram, and the damping ratio of the model it was computed for; None if y and z have each their own."""
 
     diagram: StabilityDiagram
-    sample_ratio: float
+    sample_ratio: float | None
 
 
 def compute(
@@ -45,7 +45,7 @@ def compute(
     sample = model.section.damping_ratio
     window = ratios or (0.0, max(paper.RATIOS[1], 1.25 * sample))
     diagram = stability_diagram(model, speeds, window, grow=ratios is None)
-    return Result(diagram, sample)
+    return Result(diagram, diagram.own_ratio)
 
 
 def draw(result: Result, figure: Figure) -> Figure:
@@ -54,7 +54,9 @@ def draw(result: Result, figure: Figure) -> Figure:
     (low, high), (bottom, top) = diagram.speeds, (PERCENT * r for r in diagram.ratios)
     with style.journal(figure, width="single", height=76):
         axes = figure.add_subplot()
-        axes.set(xlim=(low, high), ylim=(bottom, top), xlabel=style.UNDISTURBED, ylabel=style.DAMPING)
+        axes.set(xlim=(low, high), ylim=(bottom, top), xlabel=style.UNDISTURBED)
+        axes.set_ylabel(style.DAMPING if result.sample_ratio is not None else DAMPING_ALIKE)
+        style.below(figure, diagram.notes)
         onset = diagram.onset
         if diagram.equilibria["D"] is None:
             shade_absent(axes, low, high, bottom, top)
@@ -62,8 +64,11 @@ def draw(result: Result, figure: Figure) -> Figure:
             return figure
         if diagram.field is not None:
             shade_unstable(axes, diagram.field.speed, PERCENT * diagram.field.ratio, diagram.field.growth)
+        if diagram.reach is not None:
+            shade_absent(axes, low, diagram.reach[0], bottom, top)
+        if diagram.reach is not None and not diagram.reaches_end:
+            shade_absent(axes, diagram.reach[1], high, bottom, top)
         if onset is not None:
-            shade_absent(axes, low, onset, bottom, top)
             draw_fold(axes, onset, bottom, top)
         for piece in diagram.pieces:
             if piece.letter not in ("C", "D"):
@@ -75,8 +80,6 @@ def draw(result: Result, figure: Figure) -> Figure:
             if point.kind in ("zh", "hh"):
                 mark(axes, point.kind, point.parameter, PERCENT * point.parameters["section.damping_ratio"])
         _name(result, axes)
-        if diagram.notes:
-            figure.supxlabel("; ".join(diagram.notes), fontsize=7.0, x=0.01, ha="left")
     return figure
 
 
@@ -91,13 +94,15 @@ def _name(result: Result, axes: Axes) -> None:
         axes.text(
             onset + 0.012 * (high - low), 0.97 * top, f"fold {onset:.2f} m/s", ha="left", va="top", **small
         )
+    beyond = diagram.reach[1] if diagram.reach else high
+    if beyond < high - 0.05 * (high - low):
+        axes.text(0.5 * (beyond + high), 0.55 * top, diagram.why_it_ends, ha="center", va="center")
     field = diagram.field
     if field is None or not (field.count > 0).any():
-        axes.text(0.5 * (onset + high), 0.5 * top, "D stable at every damping", ha="center", va="center")
+        axes.text(0.5 * (onset + beyond), 0.5 * top, "D stable at every damping", ha="center", va="center")
         return
     box: dict[str, Any] = {"facecolor": style.UNSTABLE, "edgecolor": "none", "pad": 1.5}
-    # no text across the line of the case
-    free = np.abs(field.ratio - result.sample_ratio)[:, None] > 0.035 * diagram.ratios[1]
+    free = _free(result)
     unstable = roomiest(field.speed, field.ratio, free & (field.count > 0), shape=1.0, least=0.06)
     stable = roomiest(field.speed, field.ratio, free & (field.count == 0), shape=1.0, least=0.06)
     if unstable is not None:
@@ -107,9 +112,10 @@ def _name(result: Result, axes: Axes) -> None:
     if diagram.critical is not None and diagram.critical[1] < 0.95 * diagram.ratios[1]:
         speed, ratio = diagram.critical
         what = "critical damping" if unstable is not None else "D unstable below"
+        right = speed < low + 0.6 * (high - low)
         axes.annotate(
-            f"{what} {PERCENT * ratio:.2f} %", (speed, PERCENT * ratio), xytext=(10, 5),
-            textcoords="offset points", **small,
+            f"{what} {PERCENT * ratio:.2f} %", (speed, PERCENT * ratio), xytext=(10 if right else -6, 5),
+            textcoords="offset points", ha="left" if right else "right", **small,
         )  # fmt: skip
     for point in diagram.points:
         ratio = PERCENT * point.parameters["section.damping_ratio"]
@@ -131,13 +137,37 @@ def _name(result: Result, axes: Axes) -> None:
             "Hopf on C", (float(piece.speed[at]), PERCENT * float(piece.ratio[at])), xytext=(-10, -2),
             textcoords="offset points", ha="right", arrowprops={"arrowstyle": "-", "linewidth": 0.4}, **small,
         )  # fmt: skip
-    if diagram.ratios[0] < result.sample_ratio < diagram.ratios[1]:
+    if result.sample_ratio is not None and diagram.ratios[0] < result.sample_ratio < diagram.ratios[1]:
         sample = PERCENT * result.sample_ratio
         axes.axhline(sample, color=style.BLUE, linewidth=0.7, linestyle=style.DASHED)
         axes.text(
             high - 0.012 * (high - low), sample, f"this case: {sample:.3g} %", ha="right", va="bottom",
             color=style.BLUE, **small,
         )  # fmt: skip
+
+
+def _free(result: Result) -> np.ndarray:
+    """The cells of the field without a line or a label: no text across those."""
+    diagram = result.diagram
+    field = diagram.field
+    assert field is not None
+    ratio, speed = field.ratio[:, None] / diagram.ratios[1], field.speed[None, :]
+    width = diagram.speeds[1] - diagram.speeds[0]
+    free = np.ones(field.count.shape, dtype=bool)
+    if result.sample_ratio is not None:
+        free &= np.abs(ratio - result.sample_ratio / diagram.ratios[1]) > 0.035
+    if diagram.critical is not None:
+        at, top = diagram.critical[0], diagram.critical[1] / diagram.ratios[1]
+        label = (ratio > top - 0.02) & (ratio < top + 0.12)
+        free &= ~(label & (np.abs(speed - at) < 0.55 * width))
+    if diagram.onset is not None:
+        free &= ~((ratio > 0.9) & (speed < diagram.onset + 0.3 * width))
+    return free
+
+
+def summary(result: Result) -> list[str]:
+    """Plain sentences: fold, critical damping, where D is unstable at the case's damping, and notes."""
+    return sentences(result.diagram)
 
 
 def tables(result: Result) -> dict[str, Table]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -13,10 +14,14 @@ from rainwind.studies.equilibrium_map import EquilibriumMap, equilibrium_map, sp
 from rainwind.studies.hopf_curves import ALONG, HopfPiece, critical_point, fold_curve, hopf_curves, pieces_of
 from rainwind.studies.stability_field import Field, stability_field
 
+DAMPING_ALIKE = r"damping ratio $\xi$, the same in y and z (%)"
+
 
 @dataclass(frozen=True, eq=False)
 class StabilityDiagram:
     """Linear stability over undisturbed wind speed (m/s) and damping ratio.
+
+    model: with one damping ratio for y and z, which is varied; case: the model as given.
 
     fold: the curve on which D is born, None where no D is. hopf: whole curves; pieces: the same, cut where they pass
     from one equilibrium to another. points: zh, hh, gh, bt, once each. critical: speed and ratio of the highest
@@ -24,6 +29,7 @@ class StabilityDiagram:
     """
 
     model: RivuletModel
+    case: RivuletModel
     speeds: tuple[float, float]
     ratios: tuple[float, float]
     equilibria: EquilibriumMap
@@ -41,6 +47,28 @@ class StabilityDiagram:
         """The speed above which D exists, m/s."""
         return self.equilibria.onset
 
+    @property
+    def reach(self) -> tuple[float, float] | None:
+        """The speeds between which D is there, inside the coefficients' range, m/s; the field's span."""
+        return self.equilibria.reach
+
+    @property
+    def own_ratio(self) -> float | None:
+        """The case's damping ratio; None where it has two, for y and z."""
+        return self.case.section.damping_ratio if self.case == self.model else None
+
+    @property
+    def reaches_end(self) -> bool:
+        """Whether D is there, inside the coefficients' range, up to the window's highest speed."""
+        return self.reach is not None and self.reach[1] > self.speeds[1] - 1e-9
+
+    @property
+    def why_it_ends(self) -> str:
+        """What is beyond `reach`, in a few words for a diagram."""
+        side = self.equilibria["D"]
+        goes_on = side is not None and self.reach is not None and side.states()[0][-1] > self.reach[1] + 1e-9
+        return "outside the\ncoefficients'\nrange" if goes_on else "no\nequilibrium\nD"
+
     def hopf_speeds(self, ratio: float, letter: str = "D") -> tuple[float, ...]:
         """The speeds of the Hopf points of one equilibrium at a damping ratio, interpolated on the curves."""
         found = [
@@ -54,13 +82,12 @@ class StabilityDiagram:
         return tuple(sorted(found))
 
     def unstable_at_end(self, ratio: float) -> bool:
-        """Whether D, at the highest wind speed of the window, is unstable at this damping ratio."""
+        """Whether D, at the highest wind speed of the window, is there and unstable at this damping ratio."""
         side = self.equilibria["D"]
-        if side is None:
+        if side is None or not self.reaches_end:
             return False
-        speeds, states = side.states()
-        end = {ALONG[0]: float(speeds[-1]), ALONG[1]: ratio}
-        values = np.linalg.eigvals(as_system(self.model).jacobian(states[-1], end))
+        end = {ALONG[0]: self.speeds[1], ALONG[1]: ratio}
+        values = np.linalg.eigvals(as_system(self.model).jacobian(side.states()[1][-1], end))
         return bool(values.real.max() > 0)
 
     def audit(self) -> list[str]:
@@ -86,9 +113,11 @@ def stability_diagram(
     and no more than to critical damping, while the Hopf curve of D leaves through it. A model without D gives a
     diagram that says so.
     """
-    model, notes = _one_ratio(model)
+    case = model
+    model, notes = _one_ratio(case)
     speeds = speeds or speed_window(model)
     known = equilibrium_map(model, speeds)
+    notes += known.notes
     hopf, pieces, fold = [], [], None
     if known["D"] is None:
         notes += (f"no upper rivulet D between {speeds[0]:g} and {speeds[1]:g} m/s",)
@@ -101,12 +130,12 @@ def stability_diagram(
     on_d = [float(piece.ratio.max()) for piece in pieces if piece.letter == "D"]
     if grow and on_d and max(on_d) > 0.98 * ratios[1] and ratios[1] < 0.5:
         higher = (ratios[0], 4 * ratios[1])
-        return stability_diagram(model, speeds, higher, letters=letters, shape=shape, ds=ds)
+        return stability_diagram(case, speeds, higher, letters=letters, shape=shape, ds=ds)
     critical = critical_point(known, [piece for piece in pieces if piece.letter == "D"], ratios)
     points = _once([*(p for c in hopf for p in c.special), *(fold.special if fold else ())])
     field = stability_field(known, ratios, shape) if shape and known["D"] else None
     return StabilityDiagram(
-        model, speeds, ratios, known, fold, tuple(hopf), tuple(pieces), points, critical, field, notes
+        model, case, speeds, ratios, known, fold, tuple(hopf), tuple(pieces), points, critical, field, notes
     )
 
 
@@ -116,7 +145,12 @@ def _one_ratio(model: RivuletModel) -> tuple[RivuletModel, tuple[str, ...]]:
     if section.damping_ratio_y is None and section.damping_ratio_z is None:
         return model, ()
     together = replace(section, damping_ratio_y=None, damping_ratio_z=None)
-    return replace(model, section=together), ("one damping ratio for y and z, unlike in the case",)
+    y, z = (
+        100 * (section.damping_ratio if own is None else own)
+        for own in (section.damping_ratio_y, section.damping_ratio_z)
+    )
+    note = f"varied here: one damping ratio, the same for y and z; the case itself has {y:.3g} % in y, {z:.3g} % in z"
+    return replace(model, section=together), (note,)
 
 
 def _once(points: Sequence[SpecialPoint]) -> tuple[SpecialPoint, ...]:
@@ -129,3 +163,53 @@ def _once(points: Sequence[SpecialPoint]) -> tuple[SpecialPoint, ...]:
         ):
             found.append(point)
     return tuple(found)
+
+
+def sentences(diagram: StabilityDiagram) -> list[str]:
+    """The diagram in plain sentences: fold, critical damping, where D is unstable at the case's damping, notes."""
+    low, high = diagram.speeds
+    notes = [f"{note[0].upper()}{note[1:]}." for note in diagram.notes]
+    if diagram.reach is None:
+        return notes or [f"There is no upper rivulet D between {low:g} and {high:g} m/s."]
+    said = []
+    if diagram.onset is not None:
+        said.append(f"The upper rivulet D exists above {diagram.onset:.2f} m/s (fold).")
+    else:
+        said.append(
+            f"The upper rivulet D exists from {diagram.reach[0]:.4g} m/s on, the start of this window."
+        )
+    if diagram.critical is not None:
+        speed, ratio = diagram.critical
+        said.append(f"Critical damping: {100 * ratio:.3f} %, at {speed:.2f} m/s; above it D is stable here.")
+    own = diagram.own_ratio
+    damping = f"{100 * own:.3g} %" if own is not None else "apart in y and z"
+    what = f"At the case's damping, {damping},"
+    ranges = [f"{a:.2f} to {b:.2f} m/s" for a, b in unstable_speeds(diagram)]
+    if ranges:
+        said.append(f"{what} D is unstable from {' and from '.join(ranges)} (looked at up to {high:g} m/s).")
+    else:
+        said.append(f"{what} D is stable at every speed up to {diagram.reach[1]:.4g} m/s.")
+    return said + notes
+
+
+def unstable_speeds(diagram: StabilityDiagram) -> list[tuple[float, float]]:
+    """The ranges of speeds at which D is unstable with the case's own damping, between Hopf points, m/s."""
+    known = diagram.equilibria
+    if diagram.own_ratio is None:  # apart in y and z: the case's own walk
+        known = equilibrium_map(diagram.case, diagram.speeds)
+    side, reach = known["D"], known.reach
+    if side is None or reach is None:
+        return []
+    hopf = [p.parameter for p in side.points("hopf") if reach[0] < p.parameter < reach[1]]
+    cuts = [reach[0], *hopf, reach[1]]
+    speed = side.branch.parameter[side.inside]
+    unstable = side.branch.unstable[side.inside]
+    found: list[tuple[float, float]] = []
+    for a, b in pairwise(cuts):
+        if unstable[np.argmin(np.abs(speed - 0.5 * (a + b)))] == 0:
+            continue
+        if found and found[-1][1] == a:
+            found[-1] = (found[-1][0], b)
+        else:
+            found.append((a, b))
+    return found

@@ -26,11 +26,16 @@ class Field:
 def stability_field(
     known: EquilibriumMap, ratios: tuple[float, float], shape: tuple[int, int]
 ) -> Field | None:
-    """The field of D over its speeds and a range of ratios, of `shape` points in speed and ratio; None without D."""
-    side = known["D"]
-    if side is None:
+    """The field of D over its speeds and a range of ratios, of `shape` points in speed and ratio; None without D.
+
+    Its speeds are those at which D is inside the coefficients' range.
+    """
+    side, reach = known["D"], known.reach
+    if side is None or reach is None:
         return None
     speeds, states = side.states()
+    kept = (speeds >= reach[0]) & (speeds <= reach[1])
+    speeds, states = speeds[kept], states[kept]
     # even in arclength near the fold, where the state moves fast, and even in speed elsewhere
     part = np.linspace(0.0, 1.0, shape[0])
     speed = speeds[0] + (speeds[-1] - speeds[0]) * part * (0.3 + 0.7 * part)
