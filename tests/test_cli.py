@@ -17,6 +17,7 @@ from typer.testing import CliRunner
 from rainwind import __version__
 from rainwind.cli import FIGURES, app
 from rainwind.errors import ComputationError
+from rainwind.io.case_files import new_case_text
 from rainwind.io.cases import read_case
 from rainwind.physics import paper_model
 
@@ -80,9 +81,10 @@ def studies(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
             progress(done, 2, what)
         (out / "targets.json").write_text(json.dumps(TARGETS), encoding="utf-8")
 
-    def save_figure(study: str, path: Path, *, model: object) -> None:
+    def save_figure(study: str, path: Path, *, model: object) -> list[str]:
         calls.append((study, path, model))
         path.write_text("picture", encoding="utf-8")
+        return ["D is born at 8 m/s."]
 
     stand_in = SimpleNamespace(run=paper_run, save_figure=save_figure, calls=calls)
     monkeypatch.setitem(sys.modules, "rainwind.studies.paper_run", stand_in)
@@ -162,13 +164,33 @@ def test_equilibria(equilibria: list[object], tmp_path: Path):
     assert "phi [deg]" in result.out
     assert equilibria == [paper_model()]
     header, first, second = (tmp_path / "new" / "a.csv").read_text(encoding="utf-8").splitlines()
-    assert header == "phi [deg],y [mm],z [mm],kind,largest real part [1/s]"
+    assert header == "phi [deg],y [mm],z [mm],kind,largest real part [1/s],coefficients' range"
+    assert first.endswith(",inside")
+    assert second.endswith(",outside")
+    assert "all there are, certified: every equilibrium of the model as given" in result.out
+    assert "'reconstructed' hold for alpha = -phi from -90 to 0 deg" in result.out
     assert [float(first.split(",")[i]) for i in (0, 1, 2, 4)] == pytest.approx(
         [28.6478898, -3.0, 250.0, -0.25]
     )
     assert [float(second.split(",")[i]) for i in (0, 1, 2, 4)] == pytest.approx(
         [188.1126615, 1.0, 2.0, -0.25]
     )
+
+
+def test_the_range_is_that_of_the_angle_as_the_blend_wraps_it(equilibria: list[object], tmp_path: Path):
+    (tmp_path / "own.toml").write_text(
+        'name = "own"\nsource = "here"\nstatus = "test"\nvalid_deg = [170, 200]\n'
+        "lift = 0\ndrag = 1\nmoment = 0.1\n",
+        encoding="utf-8",
+    )
+    text = new_case_text().replace('set = "reconstructed"', 'set = "own.toml"')
+    (tmp_path / "case.toml").write_text(text, encoding="utf-8")
+    run("equilibria", tmp_path / "case.toml", "--csv", tmp_path / "a.csv")
+    _, first, second = (tmp_path / "a.csv").read_text(encoding="utf-8").splitlines()
+    assert first.endswith(",outside")
+    assert second.endswith(",inside")  # phi = 188 deg is alpha = 172 deg
+    (tmp_path / "case.toml").write_text(text.replace('"blend"', '"extend"'), encoding="utf-8")
+    assert "the curves drawn on beyond it" in run("equilibria", tmp_path / "case.toml").out
 
 
 def test_equilibria_of_the_paper(tmp_path: Path):
@@ -240,7 +262,7 @@ def test_equilibria_at_no_speed(equilibria: list[object], given: str, words: str
 @pytest.mark.parametrize("number", FIGURES)
 def test_figure(studies: SimpleNamespace, case: Path, tmp_path: Path, number: int):
     out = tmp_path / "pictures" / "a.svg"
-    assert f"written to {out}" in run("figure", number, case, "--out", out).out
+    assert run("figure", number, case, "--out", out).out == f"D is born at 8 m/s.\nwritten to {out}\n"
     ((study, path, model),) = studies.calls
     assert (study, path.suffix, model) == (FIGURES[number], ".svg", paper_model())
     assert [one.name for one in out.parent.iterdir()] == ["a.svg"]

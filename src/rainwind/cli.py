@@ -22,6 +22,7 @@ from rainwind.cli_output import (
     print_table,
     print_targets,
     progress_bar,
+    range_remark,
 )
 from rainwind.cli_work import (
     is_interrupt,
@@ -210,8 +211,11 @@ def equilibria(
     header, rows = equilibria_table(model, found)
     noun = "equilibrium" if len(rows) == 1 else "equilibria"
     typer.echo(f"{len(rows)} {noun} at a wind speed of {model.wind.speed:g} m/s")
-    typer.echo("all there are, certified" if found.complete else f"perhaps not all: {found.note}")
+    certified = "all there are, certified: every equilibrium of the model as given"
+    typer.echo(certified if found.complete else f"perhaps not all: {found.note}")
     print_table(header, [[f"{x:.4f}" if isinstance(x, float) else str(x) for x in row] for row in rows])
+    if remark := range_remark(model, rows):
+        typer.echo(remark)
     if csv_file is not None:
         with unfinished(csv_file) as part, part.open("w", newline="", encoding="utf-8") as file:
             csv.writer(file, lineterminator="\n").writerows([header, *rows])
@@ -292,7 +296,9 @@ def _draw(study: str, model: Any, out: Path) -> None:
     announce_compilation()
     save_figure = import_module("rainwind.studies.paper_run").save_figure
     with unfinished(out) as part:
-        save_figure(study, part, model=model)
+        sentences = save_figure(study, part, model=model)
+    for sentence in sentences or ():
+        typer.echo(sentence)
     typer.echo(f"written to {out}")
 
 

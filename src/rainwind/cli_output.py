@@ -14,6 +14,8 @@ from rainwind.errors import InputError
 if TYPE_CHECKING:
     from rich.console import Console
 
+INSIDE, OUTSIDE = "inside", "outside"
+
 
 def announce_compilation() -> None:
     """Say so before a minute of silence: the kernels are compiled on first use and then kept."""
@@ -43,15 +45,38 @@ def equilibria_table(model: Any, found: Any) -> tuple[list[str], list[list[float
     """The header, and a row for each equilibrium by rising angle.
 
     phi goes from leeward, -90 deg, over the top (0 without yaw), windward (90) and the bottom round to 270.
+    The last column says whether the set's curves hold at the row's angle of attack, -phi at rest.
     """
     lengths = [name for name in ("y", "z") if name in model.states]
-    header = ["phi [deg]", *(f"{name} [mm]" for name in lengths), "kind", "largest real part [1/s]"]
+    millimetre = [f"{name} [mm]" for name in lengths]
+    header = ["phi [deg]", *millimetre, "kind", "largest real part [1/s]", "coefficients' range"]
     rows: list[list[float | str]] = []
     for one in found:
         growth = float(max(value.real for value in one.eigenvalues))
         millimetres = [1000 * float(one[name]) for name in lengths]
-        rows.append([(degrees(one["phi"]) + 90) % 360 - 90, *millimetres, one.kind, growth])
+        place = INSIDE if _is_covered(model, -float(one["phi"])) else OUTSIDE
+        rows.append([(degrees(one["phi"]) + 90) % 360 - 90, *millimetres, one.kind, growth, place])
     return header, sorted(rows, key=lambda row: row[0])
+
+
+def range_remark(model: Any, rows: list[list[float | str]]) -> str:
+    """What rows outside the coefficients' range rest on; empty if there are none."""
+    if all(row[-1] == INSIDE for row in rows):
+        return ""
+    low, high = (degrees(angle) for angle in model.coefficients.valid)
+    rest = (
+        "the passage into the bare cylinder" if model.outside == "blend" else "the curves drawn on beyond it"
+    )
+    return (
+        f"outside: the coefficients '{model.coefficients.name}' hold for alpha = -phi from {low:.4g} to "
+        f"{high:.4g} deg; these rows rest on {rest}, which nobody measured"
+    )
+
+
+def _is_covered(model: Any, alpha: float) -> bool:
+    if model.outside == "blend":
+        alpha = float(model.coefficients.usable_blend.weight_and_angle(alpha)[1])
+    return bool(model.coefficients.covers(alpha))
 
 
 def print_table(header: list[str], rows: list[list[str]]) -> None:
