@@ -33,3 +33,27 @@ def test_tables_that_do_not_fit_are_refused(tmp_path):
         Table({"a": Column([[1.0]])})
     with pytest.raises(InputError, match="one length"):
         save_csv(tmp_path / "a.csv", Table({"a": Column([1.0]), "b": Column([1.0, 2.0])}))
+
+
+def test_columns_of_unequal_length_are_named(tmp_path):
+    uneven = Table({"a": Column([1.0]), "b": Column([1.0, 2.0])})
+    with pytest.raises(
+        InputError, match="table 'branch': along 'point' column 'a' has 1 values and 'b' has 2"
+    ):
+        save_netcdf(tmp_path / "a.nc", {"branch": uneven}, source="figure 9", version="1.2")
+
+
+def test_places_that_cannot_be_written_or_read(tmp_path):
+    nowhere = tmp_path / "none"
+    for name in (nowhere / "a.nc", tmp_path):
+        with pytest.raises(InputError, match="cannot be written"):
+            save_netcdf(name, {"branch": TABLE}, source="figure 9", version="1.2")
+    with pytest.raises(InputError, match=r"a\.csv: cannot be written \(No such file"):
+        save_csv(nowhere / "a.csv", TABLE)
+    (tmp_path / "junk.nc").write_text("junk", encoding="utf-8")
+    with pytest.raises(InputError, match=r"a\.nc: cannot be read \(No such file"):
+        load_netcdf(nowhere / "a.nc")
+    with pytest.raises(InputError, match="it is no netCDF-4 file"):
+        load_netcdf(tmp_path / "junk.nc")
+    with pytest.raises(InputError, match="cannot be read"):
+        load_netcdf(tmp_path)
