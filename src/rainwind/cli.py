@@ -162,20 +162,17 @@ def paper(
 
 @app.command()
 def figure(
-    number: Annotated[int, typer.Argument(metavar="N", help="4, 5, 6, 9, 10 or 11.")],
+    number: Annotated[str, typer.Argument(metavar="N", help="4, 5, 6, 9, 10 or 11.")],
     case: Case = None,
     out: Annotated[
         Path | None, typer.Option("--out", help="Image file (.png, .svg, .pdf); by default figure_NN.png.")
     ] = None,
 ) -> None:
     """Compute and draw one figure of the paper."""
-    if number not in FIGURES:
-        known = ", ".join(map(str, FIGURES))
-        reason = f" {_LATER[number]} and comes with a later version" if number in _LATER else " is no result"
-        raise InputError(f"figure {number}{reason}; choose one of {known}")
-    out = image_path(out or Path(f"figure_{number:02d}.png"))
+    chosen = _figure_number(number)
+    out = image_path(out or Path(f"figure_{chosen:02d}.png"))
     _not_the_case(out, case)
-    _draw(FIGURES[number], _model(case), out)
+    _draw(FIGURES[chosen], _model(case), out)
 
 
 @app.command("hopf-map")
@@ -255,6 +252,17 @@ def check(case: Annotated[Path, typer.Argument(metavar="CASE", help="Case file (
 def main() -> None:
     """Entry point of the `rainwind` program."""
     run_aside(app)
+
+
+def _figure_number(text: str) -> int:
+    known = ", ".join(map(str, FIGURES))
+    number = int(text) if text.isascii() and text.isdecimal() and len(text) < 9 else None
+    if number in FIGURES:
+        return number
+    reason = "is no result" if text.isdecimal() else "is no number"
+    if number in _LATER:
+        reason = f"{_LATER[number]} and comes with a later version"
+    raise InputError(f"figure {text} {reason}; choose one of {known}")
 
 
 def _not_the_case(out: Path, case: Path | None) -> None:

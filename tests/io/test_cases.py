@@ -126,7 +126,18 @@ FAULTS = {
     ),
     "key of another table": ("speed_m_s", "speed_m_s = 9\ndiameter_mm = 9", ["belongs in [section]"]),
     "missing key": ("mass_kg_m", "", ["line 11", "[section] has no mass", "mass_kg_m"]),
-    "one damping of two": ("damping_percent", "damping_y_percent = 1", ["[section] has no damping"]),
+    "one damping of two": (
+        "damping_percent",
+        "damping_y_percent = 1",
+        [
+            "[section] has damping_y but no damping_z; add for example damping_z_percent = 0.2",
+            "damping for both",
+        ],
+    ),
+    "one frequency of two": ("frequency_Hz", "frequency_z_Hz = 1", ["has frequency_z but no frequency_y"]),
+    "no friction": ("friction_Nms", "", ['friction_Nms = 0.05 or friction = "0.05 Nms"']),
+    "no height": ("height_mm", "", ['height_mm = 10 or height = "10 mm"']),
+    "comma in text": ("diameter_mm", 'diameter_mm = "79,0"', ["with a decimal point, 79.0"]),
     "no unit": ("speed_m_s", "speed = 9", ["line 7", "speed = 9 has no unit", "speed_m_s", '"9 m/s"']),
     "wrong unit": (
         "speed_m_s",
@@ -254,6 +265,16 @@ def test_all_faults_are_told_at_once_in_the_order_of_the_lines():
 def test_no_toml_names_the_line():
     with pytest.raises(CaseError, match=r"not a TOML file: .*line 2"):
         model_from_text("schema = 1\nspeed = = 3")
+
+
+def test_a_decimal_comma_is_pointed_out():
+    with pytest.raises(CaseError, match=r"line 12, .*write a decimal point, not a comma"):
+        model_from_text(with_line("diameter_mm", "diameter_mm = 79,0"))
+
+
+def test_the_example_of_a_missing_mass_is_that_of_its_table():
+    with pytest.raises(CaseError, match=r'\[rivulet\] has no mass; .* mass_kg_m = 0.2 or mass = "0.2 kg/m"'):
+        model_from_text(EXAMPLE.replace("mass_kg_m = 0.2", ""))
 
 
 def test_files_that_cannot_be_read(tmp_path):

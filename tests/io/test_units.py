@@ -65,6 +65,12 @@ def test_text_with_unit(kind: str, text: str, si: float):
         ("length", "1e400 m", "not a finite number"),
         ("length", "3 foo", "'foo' that is not known"),
         ("length", "3 m)", "not known"),
+        ("speed", "9 m_s", "did you mean m/s?"),
+        ("speed", "9 ms", "did you mean m/s?"),
+        ("speed", "9 kmh", "did you mean km/h?"),
+        ("speed", "9 KM/H", "did you mean km/h?"),
+        ("density", "1.2 kg_m3", "did you mean kg/m^3?"),
+        ("length", "79,0 mm", "decimal point, 79.0 mm"),
         ("length", "", "not a number with a unit"),
     ],
 )

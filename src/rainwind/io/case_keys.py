@@ -7,7 +7,7 @@ from typing import Any
 from rainwind.errors import InputError
 from rainwind.io.faults import Faults
 from rainwind.io.schema import NUMBERS, OPTIONS, SCHEMA, TABLES, Number
-from rainwind.io.units import from_text, number, to_si
+from rainwind.io.units import from_text, has_decimal_comma, number, to_si, unit_text, written
 
 __all__ = ["Given", "check_top", "read_table"]
 
@@ -66,7 +66,7 @@ def read_table(table: str, content: Any, faults: Faults) -> dict[str, Given]:
                 faults.add(str(error), table, key)
     for name, item in numbers.items():
         if item.required and name not in keys and not (item.parts and set(item.parts) <= set(keys)):
-            faults.add(f"[{table}] has no {name}; add for example {_example(item)}", table)
+            faults.add(f"[{table}] {_missing(item, numbers, keys)}", table)
     return values
 
 
@@ -79,8 +79,11 @@ def _number(item: Number, key: str, value: Any) -> float:
         if not suffix and isinstance(value, str):
             return from_text(value, item.kind)
         if isinstance(value, str):
-            written = f'{item.name} = "{item.kind.example}"'
-            raise InputError(f"is text, not a number; write a plain number, or {written}")
+            if has_decimal_comma(value):
+                point = value.strip().replace(",", ".")
+                raise InputError(f"is text with a comma; write a plain number with a decimal point, {point}")
+            text = f'{item.name} = "{item.kind.example}"'
+            raise InputError(f"is text, not a number; write a plain number, or {text}")
         result = number(value)
         if not suffix:
             raise InputError(f'has no unit; write {allowed}, or {key} = "{item.kind.example}"')
@@ -89,8 +92,18 @@ def _number(item: Number, key: str, value: Any) -> float:
         raise InputError(f"{key} = {value!r} {error}") from error
 
 
+def _missing(item: Number, numbers: dict[str, Number], given: dict[str, str]) -> str:
+    if any(part in given for part in item.parts):
+        has = next(part for part in item.parts if part in given)
+        lacks = next(part for part in item.parts if part not in given)
+        return f"has {has} but no {lacks}; add for example {_example(numbers[lacks])}, or give {item.name} for both"
+    return f"has no {item.name}; add for example {_example(item)}"
+
+
 def _example(item: Number) -> str:
-    return f'{item.name} = "{item.kind.example}" or {item.kind.keys(item.name)[0]} = ...'
+    """The sample case's number: an example of a mass must not be a cable's where a rivulet's is missing."""
+    suffix, value = written(item.sample, item.kind)
+    return f'{item.name}_{suffix} = {value:g} or {item.name} = "{value:g} {unit_text(suffix)}"'
 
 
 def _advice(table: str, key: str) -> str:

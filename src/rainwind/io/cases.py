@@ -1,5 +1,6 @@
 """Case files in: a TOML text becomes a RivuletModel, or one error that lists every fault."""
 
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ from rainwind.io.case_keys import Given, check_top, read_table
 from rainwind.io.faults import Faults
 from rainwind.io.lines import key_lines
 from rainwind.io.schema import NUMBERS, TABLES, Number
+from rainwind.io.units import has_decimal_comma
 from rainwind.io.usual import FASTEST
 from rainwind.physics.coefficient_files import load_coefficients, shipped_sets
 from rainwind.physics.coefficients import CoefficientSet
@@ -41,7 +43,7 @@ def model_from_text(text: str, name: str = "case", folder: Path | None = None) -
     try:
         content = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise CaseError(f"{name}: not a TOML file: {error}; correct it there") from error
+        raise CaseError(f"{name}: not a TOML file: {error}; {_remedy(text, error)}") from error
     faults = Faults(name, key_lines(text))
     check_top(content, faults)
     values = {table: read_table(table, content.get(table, {}), faults) for table in TABLES}
@@ -57,6 +59,13 @@ def model_from_text(text: str, name: str = "case", folder: Path | None = None) -
         faults.add(str(error))
         faults.raise_any()
         raise
+
+
+def _remedy(text: str, error: tomllib.TOMLDecodeError) -> str:
+    place = re.search(r"at line (\d+)", str(error))
+    line = text.splitlines()[int(place[1]) - 1] if place else ""
+    _, equals, value = line.partition("=")
+    return "write a decimal point, not a comma" if equals and has_decimal_comma(value) else "correct it there"
 
 
 def _text_of(path: Path) -> str:

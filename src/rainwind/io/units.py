@@ -7,12 +7,13 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from functools import cache
 from typing import Any
 
 from rainwind.errors import InputError
 
-__all__ = ["KINDS", "Kind", "from_text", "number", "to_si", "written"]
+__all__ = ["KINDS", "Kind", "from_text", "has_decimal_comma", "number", "to_si", "unit_text", "written"]
 
 
 @dataclass(frozen=True)
@@ -104,6 +105,10 @@ def from_text(text: str, kind: Kind) -> float:
     Raises InputError for text that is no number with a unit, and for a unit of the wrong kind.
     """
     say = f'write {kind} with its unit, such as "{kind.example}"'
+    if has_decimal_comma(text):
+        raise InputError(
+            f"has a comma in its number; write a decimal point, {text.strip().replace(',', '.')}"
+        )
     parts = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\D.*?)?\s*", text)
     if parts is None:
         raise InputError(f"is not a number with a unit; {say}")
@@ -114,16 +119,39 @@ def from_text(text: str, kind: Kind) -> float:
         quantity = _registry().Quantity(value, _spelt_out(unit))
     # pint raises its own errors, tokenizer's and Python's, depending on how the text is wrong
     except Exception as error:
-        raise InputError(f"has a unit '{unit}' that is not known; {say}") from error
+        raise InputError(f"has a unit '{unit}' that is not known; {_meant(unit, kind)}{say}") from error
     names = {name for name, _ in quantity.unit_items()}
     fits = any(quantity.is_compatible_with(si) for si in kind.si)
     if not fits or (kind.only is not None and not (len(names) == 1 and names <= kind.only)):
-        raise InputError(f"has the unit '{unit}', which is no unit of {kind}; {say}")
+        raise InputError(f"has the unit '{unit}', which is no unit of {kind}; {_meant(unit, kind)}{say}")
     for si in kind.si:
         if quantity.is_compatible_with(si):
             result = float(quantity.to(si).magnitude)
             return number(_tidy(result, value, unit, kind))
     raise AssertionError("unreachable: a unit that fits is compatible with one of kind.si")
+
+
+def has_decimal_comma(text: str) -> bool:
+    """Whether the text begins with a number such as 79,0."""
+    return re.match(r"\s*[-+]?\d+,\d", text) is not None
+
+
+def unit_text(suffix: str) -> str:
+    """The unit that a key's suffix stands for, as it is written behind a number: kg_m3 is kg/m^3."""
+    if suffix == "percent":
+        return "%"
+    return re.sub(r"(\d)$", r"^\1", suffix.replace("_", "/"))
+
+
+def _meant(unit: str, kind: Kind) -> str:
+    """A question after the nearest unit of the kind, of those that differ by signs or capitals mostly."""
+    known = {_letters(suffix): unit_text(suffix) for suffix in kind.suffixes if suffix != "ratio"}
+    near = get_close_matches(_letters(unit), known, n=1)
+    return f"did you mean {known[near[0]]}? " if near else ""
+
+
+def _letters(unit: str) -> str:
+    return re.sub(r"[^a-z0-9]", "", unit.lower())
 
 
 def written(value: float, kind: Kind) -> tuple[str, float]:
