@@ -81,7 +81,7 @@ def test_upper_rivulet_at_45_degrees_at_9_metres_per_second_falling_with_the_win
 
 def test_letters_are_on_the_figure(equilibria):
     figure = figure_05.draw(equilibria, Figure())
-    texts = {text.get_text() for text in figure.axes[0].texts}
+    texts = {" ".join(text.get_text().split()) for text in figure.axes[0].texts}
     assert {"A", "B", "C", "D", "fold 8.00 m/s", "Hopf 14.80 m/s"} <= texts
     assert "undisturbed" in figure.axes[0].get_xlabel()
 

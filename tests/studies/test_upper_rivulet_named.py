@@ -9,7 +9,15 @@ from matplotlib.figure import Figure
 import rainwind as rw
 from rainwind.dynamics.results import Ended
 from rainwind.studies import equilibrium_map as maps
-from rainwind.studies import figure_05_equilibria, figure_09_stability_diagram, hopf_curves, hopf_map
+from rainwind.studies import (
+    figure_05_equilibria,
+    figure_06_stability,
+    figure_09_stability_diagram,
+    figure_10_rivulet_and_frequency,
+    figure_11_mass_coefficients_dof,
+    hopf_curves,
+    hopf_map,
+)
 from rainwind.studies.equilibrium_map import equilibrium_map
 from rainwind.studies.stability_diagram import stability_diagram, unstable_speeds
 from rainwind.studies.walks import whole
@@ -29,6 +37,14 @@ def with_second_fold(**changes):
     model = turned("reconstructed-linear", 45, 35, **changes)
     own = replace(model.coefficients, name="own", valid=(np.radians(8), np.radians(30)))
     return replace(model, coefficients=own)
+
+
+def upper_at(model, speed):
+    upper = equilibrium_map(model, (1.0, 40.0))["D"]
+    assert upper is not None
+    state = upper.at(speed)
+    assert state is not None
+    return state
 
 
 def inside(model, equilibrium):
@@ -52,7 +68,7 @@ def test_d_is_the_equilibrium_inside_the_coefficients_range(name, yaw, inclinati
             and np.sum((e.eigenvalues.imag == 0) & (e.eigenvalues.real > 0)) == 0
             and np.cos(e["phi"] + model.beta) > -0.5
         ]
-        assert np.allclose(known["D"].at(speed), upper.state, atol=2e-3)
+        assert np.allclose(upper_at(model, speed), upper.state, atol=2e-3)
         ranges = unstable_speeds(stability_diagram(model, (4.0, 40.0), shape=None))
         assert any(a < speed < b for a, b in ranges) == (upper.eigenvalues.real.max() > 0)
 
@@ -79,8 +95,9 @@ def test_without_an_equilibrium_inside_the_range_there_is_no_d():
 def test_several_that_qualify_are_noted():
     model = turned("reconstructed-linear", 45, 35)
     wide = replace(model.coefficients, name="wide", valid=(-np.pi / 2, np.radians(30)))
-    known = equilibrium_map(replace(model, coefficients=wide), (1.0, 40.0))
-    assert np.degrees(known["D"].at(20.0)[1]) == approx(36, abs=4)
+    model = replace(model, coefficients=wide)
+    known = equilibrium_map(model, (1.0, 40.0))
+    assert np.degrees(upper_at(model, 20.0)[1]) == approx(36, abs=4)
     assert "2 equilibria could be D" in known.notes[0]
 
 
@@ -88,6 +105,8 @@ def test_beyond_a_second_fold_there_is_no_d():
     model = with_second_fold()
     result = figure_09_stability_diagram.compute(model, speeds=(4.0, 30.0))
     diagram = result.diagram
+    assert diagram.reach is not None
+    assert diagram.field is not None
     first, last = diagram.reach
     assert diagram.onset == approx(first) == approx(5.64, abs=0.02)
     assert last == approx(20.5, abs=0.1)
@@ -141,3 +160,40 @@ def test_a_stopped_hopf_curve_is_not_drawn(monkeypatch):
     monkeypatch.setattr(hopf_curves, "continue_hopf", stopped)
     with pytest.raises(KeyboardInterrupt):
         figure_09_stability_diagram.compute()
+
+
+def test_summaries_say_fold_critical_damping_and_unstable_speeds():
+    result = figure_09_stability_diagram.compute()
+    said = figure_09_stability_diagram.summary(result)
+    assert said[0] == "The upper rivulet D exists above 8.00 m/s (fold)."
+    assert said[1].startswith("Critical damping: 0.694 %, at 9.05 m/s")
+    assert "0.2 %, D is unstable from 8.00 to 14.80 m/s" in said[2]
+    assert len(said) == 3
+
+
+def test_figure_6_marks_only_where_its_own_curve_crosses_zero():
+    """At 0.05 % a second pair is unstable before the first is stable: no crossing, though two Hopf points."""
+    model = turned("reconstructed", 0, 29.8, **{RATIO: 0.0005})
+    result = figure_06_stability.compute(model)
+    assert len(result.hopf_on_d) == 2
+    axes = figure_06_stability.draw(result, Figure()).axes[0]
+    assert not [line for line in axes.lines if line.get_marker() == "o"]
+    axes = figure_06_stability.draw(figure_06_stability.compute(), Figure()).axes[0]
+    assert [line.get_xdata()[0] for line in axes.lines if line.get_marker() == "o"] == [
+        approx(14.8, abs=0.01)
+    ]
+
+
+@pytest.mark.parametrize("study", [figure_10_rivulet_and_frequency, figure_11_mass_coefficients_dof])
+def test_figures_of_variants_say_what_lies_outside_the_range(study):
+    result = study.compute(turned("reconstructed-linear", 45, 35))
+    assert "outside the coefficients' range; it is not D" in study.summary(result)[-1]
+    assert "is not D" in " ".join(study.draw(result, Figure()).get_supxlabel().split())
+
+
+def test_own_damping_is_a_line_of_the_map_and_the_fold_in_its_legend():
+    result = hopf_map.compute(turned("reconstructed", 30, 29.8, **{RATIO: 0.001}))
+    labels = hopf_map.draw(result, Figure()).axes[0].get_legend_handles_labels()[1]
+    assert "this case: 0.1 %" in labels
+    assert "fold, where D begins" in labels
+    assert not any("another" in label for label in labels)

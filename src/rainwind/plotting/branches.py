@@ -48,12 +48,14 @@ def label_points(
     points: Sequence[tuple[float, float, str]],
     *,
     offset: float,
+    pattern: str = "{}",
     side: str = "center",
-    gap: float = 0.16,
+    gap: float = 0.3,
 ) -> None:
-    """Labels (x, y, text) above (offset > 0, points) or below: those closer than `gap` of the width share a place.
+    """One label at a point, or at several closer than `gap` of the width: `pattern` with their values (x, y, value).
 
-    side: where the text goes; near an edge of the axes, always inward.
+    offset: in points above, or (negative) below. side: left, center or right of the text stands at the point; near
+    an edge of the axes the text goes inward.
     """
     low, high = axes.get_xlim()
     groups: list[list[tuple[float, float, str]]] = []
@@ -63,11 +65,12 @@ def label_points(
         else:
             groups.append([point])
     for group in groups:
-        x, y, _ = group[-1 if side == "left" else 0]
+        x, y, _ = group[len(group) // 2]
         part = (x - low) / (high - low)
-        align = "right" if part > 0.8 else "left" if part < 0.15 and side == "center" else side
+        align = "right" if part > 0.75 else "left" if part < 0.15 and side == "center" else side
+        shift = {"left": 3, "right": -3}.get(align, 0) if side != "center" else 0
         axes.annotate(
-            "\n".join(text for _, _, text in group), (x, y), xytext=({"left": 3, "right": -3}.get(align, 0), offset),
+            pattern.format(", ".join(value for _, _, value in group)), (x, y), xytext=(shift, offset),
             textcoords="offset points", ha=align, va="bottom" if offset > 0 else "top", fontsize=7,
         )  # fmt: skip
 

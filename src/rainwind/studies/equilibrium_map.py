@@ -243,7 +243,7 @@ def _notes(known: EquilibriumMap) -> Iterator[str]:
     upper, reach = known["D"], known.reach
     if upper is not None and reach is not None:
         ends = upper.states()[0][[0, -1]]
-        if reach[0] > ends[0] or reach[1] < ends[1]:
+        if reach[0] > ends[0] + 0.1 or reach[1] < ends[1] - 0.1:
             yield f"D lies in the coefficients' range only from {reach[0]:.2f} to {reach[1]:.2f} m/s"
         if ends[1] < known.speeds[1] - 1e-9:
             yield f"D ends at {ends[1]:.2f} m/s, in a second fold"

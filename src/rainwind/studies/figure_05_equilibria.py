@@ -56,11 +56,12 @@ def draw(result: Result, figure: Figure) -> Figure:
         for side in known.sides:
             if side.letter:
                 speed, state = side.states()
-                at = speed[0] + 0.8 * (speed[-1] - speed[0])
+                upper = side.letter == "D"  # its Hopf points are named above it
+                at = speed[0] + (0.92 if upper else 0.8) * (speed[-1] - speed[0])
                 angle = np.degrees(np.interp(at, speed, state[:, 1]))
                 axes.annotate(
-                    side.letter, (at, angle), xytext=(0, 3), textcoords="offset points", ha="center",
-                    fontweight="bold",
+                    side.letter, (at, angle), xytext=(0, -4 if upper else 3), textcoords="offset points", ha="center",
+                    va="top" if upper else "baseline", fontweight="bold",
                 )  # fmt: skip
         _name_points(result, axes)
         grey = ["grey: outside the coefficients' range"] if known.outside else []
@@ -76,18 +77,20 @@ def _name_points(result: Result, axes: Axes) -> None:
     fold = result.equilibria.fold
     if fold is not None:
         axes.annotate(
-            f"fold {fold.parameter:.2f} m/s", (fold.parameter, np.degrees(fold["phi"])), xytext=(-5, 0),
-            textcoords="offset points", ha="right", va="center", fontsize=7,
+            f"fold\n{fold.parameter:.2f} m/s", (fold.parameter, np.degrees(fold["phi"])), xytext=(-5, 4),
+            textcoords="offset points", ha="right", va="top", fontsize=7,
         )  # fmt: skip
-    for side, offset in ((across, 5.0), (upper, -5.0)):
+    for side in (across, upper):
         found = [
-            (point.parameter, float(np.degrees(point["phi"])), f"Hopf {point.parameter:.2f} m/s")
+            (point.parameter, float(np.degrees(point["phi"])), f"{point.parameter:.2f}")
             for point in (side.points("hopf") if side else ())
         ]
         # next to the fold there is room on the left only
         near = [p for p in found if p[0] < 1.1 * (result.onset or 0.0)]
-        label_points(axes, near, offset=offset, side="right")
-        label_points(axes, [p for p in found if p not in near], offset=offset)
+        label_points(
+            axes, near, pattern="Hopf\n{} m/s", offset=5.0 if side is across else -16.0, side="right"
+        )
+        label_points(axes, [p for p in found if p not in near], pattern="Hopf {} m/s", offset=5.0)
 
 
 def summary(result: Result) -> list[str]:

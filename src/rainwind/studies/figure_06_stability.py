@@ -103,9 +103,11 @@ def _whole(result: Result, axes: Axes) -> None:
         start = float(growth[0])
         mark(axes, "fold", onset, start)
         unstable = "unstable" if start > 1e-6 else "stable"
+        bottom, top = axes.get_ylim()
+        part = (start - bottom) / (top - bottom)
         axes.annotate(
-            f"fold {onset:.2f} m/s:\nD is born\n{unstable}", (onset, start), xytext=(-7, 0), textcoords="offset points",
-            ha="right", va="center", fontsize=7,
+            f"fold\n{onset:.2f} m/s:\nD is born\n{unstable}", (onset, start), xytext=(-7, 4 if part > 0.75 else 0),
+            textcoords="offset points", ha="right", va="top" if part > 0.75 else "center", fontsize=7,
         )  # fmt: skip
     # of the Hopf points only those where the drawn curve itself crosses zero
     crossed = [p for p in result.hopf_on_d if p.eigenvalues.real.max() < 1e-5]
@@ -113,11 +115,19 @@ def _whole(result: Result, axes: Axes) -> None:
         mark(axes, "hopf", point.parameter, 0.0)
     names = ["Hopf"] * len(crossed)
     if crossed and np.interp(crossed[-1].parameter * 1.01, speed, growth) < 0:
-        names[-1] = r"$U_{H2}$"
-    texts = [
-        (p.parameter, 0.0, f"{name} = {p.parameter:.2f} m/s") for p, name in zip(crossed, names, strict=True)
-    ]
-    label_points(axes, texts, offset=5.0, side="left", gap=0.25)
+        names[-1] = r"$U_{{H2}}$"
+    low, high = axes.get_xlim()
+    for point, name in zip(crossed, names, strict=True):
+        # the curve comes down from the left: below it there is room on that side
+        right = point.parameter > low + 0.6 * (high - low)
+        text = [(point.parameter, 0.0, f"{point.parameter:.2f}")]
+        label_points(
+            axes,
+            text,
+            pattern=name + " = {} m/s",
+            offset=-4.0 if right else 5.0,
+            side="right" if right else "left",
+        )
 
 
 def _near(result: Result, axes: Axes) -> None:
@@ -127,15 +137,17 @@ def _near(result: Result, axes: Axes) -> None:
         axes.set_axis_off()
         return
     reach = onset + max(0.03 * onset, *(2.5 * (speed - onset) for speed in hopf[:1]), 0.0)
-    for letter, color, offset in (("C", style.VERMILION, -9), ("D", style.BLACK, 4)):
+    at = onset + 0.62 * (reach - onset)
+    middle = {letter: float(np.interp(at, *pair)) for letter, pair in result.oscillating.items()}
+    for letter, color in (("C", style.VERMILION), ("D", style.BLACK)):
         if letter not in result.oscillating:
             continue
         speed, value = result.oscillating[letter]
+        offset = 4 if middle[letter] == max(middle.values()) else -9
         shown = speed <= 1.02 * reach
         axes.plot(speed[shown], value[shown], color=color)
-        at = onset + 0.62 * (reach - onset)
         axes.annotate(
-            letter, (at, np.interp(at, speed, value)), xytext=(0, offset), textcoords="offset points",
+            letter, (at, middle[letter]), xytext=(0, offset), textcoords="offset points",
             color=color, fontweight="bold", ha="center",
         )  # fmt: skip
     span = reach - onset
@@ -148,7 +160,7 @@ def _near(result: Result, axes: Axes) -> None:
         if point.parameter <= reach:
             mark(axes, "hopf", point.parameter, 0.0, color=style.VERMILION)
             axes.annotate(
-                f"Hopf on C, {point.parameter:.3f} m/s", (point.parameter, 0.0), xytext=(3, 4),
+                f"Hopf on C,\n{point.parameter:.3f} m/s", (point.parameter, 0.0), xytext=(3, 4),
                 textcoords="offset points", fontsize=7, color=style.VERMILION,
             )  # fmt: skip
 

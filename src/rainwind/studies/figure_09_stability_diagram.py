@@ -92,7 +92,7 @@ def _name(result: Result, axes: Axes) -> None:
     if onset > low:
         axes.text(0.5 * (low + onset), 0.55 * top, "no\nequilibrium\nD", ha="center", va="center")
         axes.text(
-            onset + 0.012 * (high - low), 0.97 * top, f"fold {onset:.2f} m/s", ha="left", va="top", **small
+            onset - 0.012 * (high - low), 0.97 * top, f"fold\n{onset:.2f} m/s", ha="right", va="top", **small
         )
     beyond = diagram.reach[1] if diagram.reach else high
     if beyond < high - 0.05 * (high - low):
@@ -103,8 +103,8 @@ def _name(result: Result, axes: Axes) -> None:
         return
     box: dict[str, Any] = {"facecolor": style.UNSTABLE, "edgecolor": "none", "pad": 1.5}
     free = _free(result)
-    unstable = roomiest(field.speed, field.ratio, free & (field.count > 0), shape=1.0, least=0.06)
-    stable = roomiest(field.speed, field.ratio, free & (field.count == 0), shape=1.0, least=0.06)
+    unstable = roomiest(field.speed, field.ratio, free & (field.count > 0), shape=1.0, least=0.04)
+    stable = roomiest(field.speed, field.ratio, free & (field.count == 0), shape=1.0, least=0.04)
     if unstable is not None:
         axes.text(unstable[0], PERCENT * unstable[1], "D unstable", ha="center", va="center", bbox=box)
     if stable is not None:
@@ -116,6 +116,7 @@ def _name(result: Result, axes: Axes) -> None:
         axes.annotate(
             f"{what} {PERCENT * ratio:.2f} %", (speed, PERCENT * ratio), xytext=(10 if right else -6, 5),
             textcoords="offset points", ha="left" if right else "right", **small,
+            bbox={"facecolor": style.STABLE, "edgecolor": "none", "pad": 0.5} if unstable is None else None,
         )  # fmt: skip
     for point in diagram.points:
         ratio = PERCENT * point.parameters["section.damping_ratio"]
@@ -125,9 +126,10 @@ def _name(result: Result, axes: Axes) -> None:
                 va="center", **small,
             )  # fmt: skip
         elif point.kind == "hh":
+            edge = point.parameter > low + 0.75 * (high - low)
             axes.annotate(
-                "Hopf–Hopf", (point.parameter, ratio), xytext=(2, 5), textcoords="offset points", ha="left",
-                **small,
+                "Hopf–Hopf", (high if edge else point.parameter, ratio), xytext=(-3 if edge else 2, 8 if edge else 5),
+                textcoords="offset points", ha="right" if edge else "left", **small,
             )  # fmt: skip
     on_c = [piece for piece in diagram.pieces if piece.letter == "C"]
     if on_c and max(float(piece.ratio.max()) for piece in on_c) > 0.2 * diagram.ratios[1]:
@@ -140,10 +142,7 @@ def _name(result: Result, axes: Axes) -> None:
     if result.sample_ratio is not None and diagram.ratios[0] < result.sample_ratio < diagram.ratios[1]:
         sample = PERCENT * result.sample_ratio
         axes.axhline(sample, color=style.BLUE, linewidth=0.7, linestyle=style.DASHED)
-        axes.text(
-            high - 0.012 * (high - low), sample, f"this case: {sample:.3g} %", ha="right", va="bottom",
-            color=style.BLUE, **small,
-        )  # fmt: skip
+        axes.set_title(f"dashed: this case, {sample:.3g} %", loc="right", color=style.BLUE, pad=3.0, **small)
 
 
 def _free(result: Result) -> np.ndarray:
@@ -160,9 +159,8 @@ def _free(result: Result) -> np.ndarray:
         at, top = diagram.critical[0], diagram.critical[1] / diagram.ratios[1]
         label = (ratio > top - 0.02) & (ratio < top + 0.12)
         free &= ~(label & (np.abs(speed - at) < 0.55 * width))
-    if diagram.onset is not None:
-        free &= ~((ratio > 0.9) & (speed < diagram.onset + 0.3 * width))
-    return free
+    # half a text's width from either end
+    return free & (speed > field.speed[0] + 0.11 * width) & (speed < field.speed[-1] - 0.12 * width)
 
 
 def summary(result: Result) -> list[str]:

@@ -14,7 +14,16 @@ from rainwind.physics.model import RivuletModel
 from rainwind.plotting import style
 from rainwind.studies import paper
 from rainwind.studies.equilibrium_map import speed_window
-from rainwind.studies.variations import Panel, draw_panel, highest, panel, panel_tables, scaled
+from rainwind.studies.variations import (
+    Panel,
+    draw_panel,
+    highest,
+    panel,
+    panel_notes,
+    panel_summary,
+    panel_tables,
+    scaled,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +65,13 @@ def draw(result: Result, figure: Figure) -> Figure:
             draw_panel(axes, shown, result.speeds, highest([shown]))
             style.panel(axes, letter)
             axes.set_ylabel(style.DAMPING)
+        style.below(figure, panel_notes([result.friction, result.frequency]), letters=130)
     return figure
+
+
+def summary(result: Result) -> list[str]:
+    """Plain sentences: fold and critical damping of every variant, and the notes."""
+    return panel_summary([result.friction, result.frequency])
 
 
 def tables(result: Result) -> dict[str, Table]:

@@ -9,6 +9,7 @@ damping (T12); with two degrees of freedom (y, phi) the onset is the same and th
 
 from dataclasses import dataclass, replace
 from math import pi
+from textwrap import fill
 
 from matplotlib.figure import Figure
 
@@ -18,7 +19,16 @@ from rainwind.physics.model import RivuletModel
 from rainwind.plotting import style
 from rainwind.studies import paper
 from rainwind.studies.equilibrium_map import speed_window
-from rainwind.studies.variations import Panel, draw_panel, highest, panel, panel_tables, scaled
+from rainwind.studies.variations import (
+    Panel,
+    draw_panel,
+    highest,
+    panel,
+    panel_notes,
+    panel_summary,
+    panel_tables,
+    scaled,
+)
 
 GU_LU = "Gu & Lu lift and drag,\nour moment"
 
@@ -87,10 +97,16 @@ def draw(result: Result, figure: Figure) -> Figure:
                 axes.set_ylabel(style.DAMPING)
         figure.supxlabel(
             r"$U$ is the undisturbed wind speed. Gu & Lu lift and drag with our moment: $h$ = 6 mm, $m_R$ = 0.08 kg/m, "
-            "$\\gamma$ = 45°; not the paper's curve,\nbecause Gu & Lu's moment is lost.",
+            "$\\gamma$ = 45°; not the paper's curve,\nbecause Gu & Lu's moment is lost."
+            + "".join("\n" + fill(note, 130) for note in panel_notes(result.panels)),
             fontsize=7.0, x=0.01, ha="left",
         )  # fmt: skip
     return figure
+
+
+def summary(result: Result) -> list[str]:
+    """Plain sentences: fold and critical damping of every variant, and the notes."""
+    return panel_summary(result.panels)
 
 
 def tables(result: Result) -> dict[str, Table]:

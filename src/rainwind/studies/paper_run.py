@@ -79,13 +79,17 @@ def run(out: Path, *, progress: Progress) -> Run:
     return made
 
 
-def save_figure(study: str, path: Path, *, model: RivuletModel) -> None:
+def save_figure(study: str, path: Path, *, model: RivuletModel) -> list[str]:
     """Compute and draw one study, such as "hopf_map", with any model; the suffix of `path` says the format.
+
+    Returns what it shows in plain sentences, none where the study has none.
 
     Raises InputError for an unknown study, OSError where the file cannot be written.
     """
     module = _module(study)
-    style.save(module.draw(module.compute(model=model), Figure()), path)
+    result = module.compute(model=model)
+    style.save(module.draw(result, Figure()), path)
+    return list(module.summary(result)) if hasattr(module, "summary") else []
 
 
 def _module(study: str) -> ModuleType:

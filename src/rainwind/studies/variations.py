@@ -119,6 +119,43 @@ def highest(panels: Sequence[Panel]) -> float:
     return float(np.ceil(PERCENT * max(found) * 12) / 10) if found else 1.0
 
 
+def panel_notes(panels: Sequence[Panel]) -> list[str]:
+    """What a reader must know of the variants' D, each once; what the legend says is left out."""
+    diagrams = [variant.diagram for shown in panels for variant in shown.variants]
+    notes = [
+        note
+        for diagram in diagrams
+        for note in diagram.notes
+        if "is not D" not in note and not note.startswith(("no upper rivulet", "D has no Hopf"))
+    ]
+    beyond = sum(any("is not D" in note for note in diagram.notes) for diagram in diagrams)
+    if beyond:
+        notes.append(
+            f"in {beyond} of {len(diagrams)} diagrams another equilibrium lies outside the coefficients' range; "
+            "it is not D"
+        )
+    return list(dict.fromkeys(notes))
+
+
+def panel_summary(panels: Sequence[Panel]) -> list[str]:
+    """Plain sentences: fold and critical damping of every variant, and the notes."""
+    said = []
+    for shown in panels:
+        for variant in shown.variants:
+            label = " ".join(variant.label.replace("$", "").replace("\\phi", "phi").split())
+            critical = variant.critical_damping
+            limit = (
+                f"critical damping {PERCENT * critical:.3g} %"
+                if critical is not None
+                else "no Hopf point on D"
+            )
+            begins = (
+                f"fold {variant.onset:.2f} m/s, {limit}" if variant.onset is not None else "no fold of D here"
+            )
+            said.append(f"{shown.name.replace('_', ' ')}, {label}: {begins}.")
+    return [*said, *(f"{note[0].upper()}{note[1:]}." for note in panel_notes(panels))]
+
+
 def panel_tables(panels: Sequence[Panel]) -> dict[str, Table]:
     """The tables of every variant's diagram, as panel_number_table."""
     return {
