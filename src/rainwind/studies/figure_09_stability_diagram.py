@@ -89,10 +89,18 @@ def _name(result: Result, axes: Axes) -> None:
     top = PERCENT * diagram.ratios[1]
     onset = diagram.onset if diagram.onset is not None else low
     small: dict[str, Any] = {"fontsize": 7.0}
-    if onset > low:
+    room = onset > low + 0.13 * (high - low)
+    if room:
         axes.text(0.5 * (low + onset), 0.55 * top, "no\nequilibrium\nD", ha="center", va="center")
+    if onset > low:
+        shift = (-0.012 if room else 0.012) * (high - low)
         axes.text(
-            onset - 0.012 * (high - low), 0.97 * top, f"fold\n{onset:.2f} m/s", ha="right", va="top", **small
+            onset + shift,
+            0.97 * top,
+            f"fold\n{onset:.2f} m/s",
+            ha="right" if room else "left",
+            va="top",
+            **small,
         )
     beyond = diagram.reach[1] if diagram.reach else high
     if beyond < high - 0.05 * (high - low):

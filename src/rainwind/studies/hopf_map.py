@@ -59,7 +59,7 @@ class Result:
         reach = diagram.reach
         if reach is None:
             none = f"There is no upper rivulet D between {diagram.speeds[0]:g} and {last:g} m/s."
-            return " ".join([none, *notes[1:]])
+            return " ".join([none, *(note for note in notes if not note.startswith("No upper rivulet"))])
         said = [
             f"Hopf–Hopf point at {speed:.2f} m/s and {PERCENT * ratio:.3f} %."
             for speed, ratio in self.hopf_hopf
