@@ -114,7 +114,9 @@ def _name(result: Result, axes: Axes) -> None:
     unstable = roomiest(field.speed, field.ratio, free & (field.count > 0), shape=1.0, least=0.04)
     stable = roomiest(field.speed, field.ratio, free & (field.count == 0), shape=1.0, least=0.04)
     if unstable is not None:
-        axes.text(unstable[0], PERCENT * unstable[1], "D unstable", ha="center", va="center", bbox=box)
+        axes.text(
+            unstable[0], PERCENT * unstable[1], "D unstable", ha="center", va="center", bbox=box, zorder=0.7
+        )
     if stable is not None:
         axes.text(stable[0], PERCENT * stable[1], "D stable", ha="center", va="center")
     if diagram.critical is not None and diagram.critical[1] < 0.95 * diagram.ratios[1]:
