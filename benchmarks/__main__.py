@@ -23,7 +23,7 @@ def _machine() -> dict[str, str | int | float | None]:
     return {
         "cpu": cpu,
         "cores": os.cpu_count(),
-        "system": platform.platform(),
+        "system": f"{platform.system()} {platform.machine()}",
         "load_average": os.getloadavg()[0] if hasattr(os, "getloadavg") else None,
         "python": platform.python_version(),
         **{name: version(name) for name in ("rainwind", "numpy", "numba", "llvmlite")},
