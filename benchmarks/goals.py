@@ -11,15 +11,9 @@ import numpy as np
 
 import rainwind as rw
 from rainwind.dynamics.system import as_system
+from rainwind.studies.paper_run import STUDIES
 
-FIGURES = (
-    "figure_04_coefficients",
-    "figure_05_equilibria",
-    "figure_06_stability",
-    "figure_09_stability_diagram",
-    "figure_10_rivulet_and_frequency",
-    "figure_11_mass_coefficients_dof",
-)
+FIGURES = tuple(name for name in STUDIES if name.startswith("figure_"))
 
 
 def _median(call: Any, repeats: int) -> float:

@@ -12,10 +12,6 @@ class InputError(RainwindError, ValueError):
     """A value that is not allowed: the message says what was given, what is allowed and what to do."""
 
 
-class OutOfRange(InputError):
-    """A quantity lies outside the range in which its source measured it."""
-
-
 class TraceError(RainwindError, TypeError):
     """A right-hand side cannot be recorded as a tape; the message names the line."""
 

@@ -92,18 +92,11 @@ def solve_hopf(
 
 
 def _solve_branch_point(problem: Equations, guess: np.ndarray) -> tuple[np.ndarray, float] | None:
-    system, n = problem.system, len(problem.system.states)
-    parameters = {problem.along[0]: guess[n]}
-    d = np.hstack(
-        [
-            system.jacobian(guess[:n], parameters),
-            system.jacobian_parameters(guess[:n], problem.along, parameters),
-        ]
-    )
+    d = problem.derivatives(guess)
     w, _ = null_vectors(d, 1)
     _, below = null_vectors(d, 2)
     weights = np.zeros((2, 4))
-    equations = Equations(BRANCH, system, problem.along, np.append(problem.scale, 1.0))
+    equations = Equations(BRANCH, problem.system, problem.along, np.append(problem.scale, 1.0))
     return equations.solve(np.append(guess, 0.0), (w, below, weights))
 
 
@@ -116,8 +109,7 @@ def _crossing(problem: Equations, u: np.ndarray, tangent: np.ndarray) -> np.ndar
     system, n, scale = problem.system, len(problem.system.states), problem.scale
     at = system.inputs(u[:n], {problem.along[0]: u[n]})
     directions = np.append(np.arange(n), system.number(problem.along[0]))
-    _, d, _ = second_order(*system.tape.arrays, at, directions, np.zeros(at.size))
-    w, basis = null_vectors(d * scale, 2)
+    w, basis = null_vectors(problem.derivatives(u) * scale, 2)
     c = np.empty((2, 2))
     for i in range(2):
         along = np.zeros(at.size)

@@ -52,9 +52,9 @@ class Equations:
         us, tangents, _, tests, *borders = (values[0] for values in found)
         return Node(us, tangents, 0.0, iterations, tests, spectra[0], tuple(borders))  # type: ignore[arg-type]
 
-    def derivatives(self, u: np.ndarray, borders: Borders) -> np.ndarray:
+    def derivatives(self, u: np.ndarray, borders: Borders | None = None) -> np.ndarray:
         """The Jacobian (m, len(u)) of the equations at u."""
-        return equations(*self._packed, *borders, u)[1]
+        return equations(*self._packed, *(borders or self.no_borders()), u)[1]
 
     def solve(self, u: np.ndarray, borders: Borders | None = None) -> tuple[np.ndarray, float] | None:
         """Newton on as many equations as unknowns, to rounding: the solution and the largest |F|, or None."""

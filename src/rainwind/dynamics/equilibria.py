@@ -1,7 +1,7 @@
 """Equilibria: find them, follow them in one parameter."""
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -145,7 +145,7 @@ def _start(
                     f"{dict(zip(system.states, guess.tolist(), strict=True))}; give another start"
                 )
             u = np.append(solution[0], value)
-        tangent = null_vectors(_derivatives(system, along, u) * scale, 1)[1][:, 0]
+        tangent = null_vectors(problem.derivatives(u) * scale, 1)[1][:, 0]
         if tangent[-1] < 0:
             tangent = -tangent
         node = problem.correct(Node(u, tangent), u, tangent)
@@ -170,10 +170,3 @@ def _beside(problem: Equations, u: np.ndarray, tangent: np.ndarray, ds: float) -
             return node
         step /= 2
     return None
-
-
-def _derivatives(system: System, along: str, u: np.ndarray) -> np.ndarray:
-    parameters: Mapping[str, float] = {along: u[-1]}
-    return np.hstack(
-        [system.jacobian(u[:-1], parameters), system.jacobian_parameters(u[:-1], [along], parameters)]
-    )

@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
 from matplotlib.axes import Axes
 
 from rainwind.dynamics.results import Branch
@@ -79,19 +78,4 @@ def mark(axes: Axes, kind: str, x: float, y: float, *, color: str = style.BLACK)
     """One special point."""
     axes.plot(
         [x], [y], linestyle="", color=color, markeredgewidth=0.8, zorder=5, clip_on=False, **MARKERS[kind]
-    )
-
-
-def label_at(
-    axes: Axes, text: str, x: np.ndarray, y: np.ndarray, at: float, *, color: str = style.BLACK, **kwargs: Any
-) -> None:
-    """A direct label beside the line y(x), x rising, at x = `at`, in points off it by `offset`."""
-    offset = kwargs.pop("offset", (0, 4))
-    axes.annotate(
-        text,
-        (at, float(np.interp(at, x, y))),
-        xytext=offset,
-        textcoords="offset points",
-        color=color,
-        **kwargs,
     )

@@ -110,6 +110,14 @@ class EquilibriumMap:
         upper = self["D"]
         return upper.covered(self.model) if upper else None
 
+    def existence(self) -> list[str]:
+        """In a sentence, whether there is an upper rivulet D and where it begins; none where no fold begins it."""
+        if self.reach is None:
+            return [f"There is no upper rivulet D between {self.speeds[0]:g} and {self.speeds[1]:g} m/s."]
+        return (
+            [] if self.onset is None else [f"The upper rivulet D exists above {self.onset:.2f} m/s (fold)."]
+        )
+
     @property
     def outside(self) -> tuple[Side, ...]:
         """Sides without a letter that lie outside the coefficients' range altogether."""

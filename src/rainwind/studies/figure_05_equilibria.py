@@ -95,16 +95,7 @@ def _name_points(result: Result, axes: Axes) -> None:
 
 def summary(result: Result) -> list[str]:
     """Plain sentences: where D begins and ends, and the notes."""
-    known = result.equilibria
-    if known.reach is None:
-        return [
-            f"There is no upper rivulet D between {known.speeds[0]:g} and {known.speeds[1]:g} m/s.",
-            *known.notes,
-        ]
-    begins = (
-        f"The upper rivulet D exists above {known.onset:.2f} m/s (fold)." if known.onset is not None else None
-    )
-    return [*([begins] if begins else []), *known.notes]
+    return [*result.equilibria.existence(), *result.equilibria.notes]
 
 
 def tables(result: Result) -> dict[str, Table]:

@@ -181,14 +181,9 @@ def tables(result: Result) -> dict[str, Table]:
 def summary(result: Result) -> list[str]:
     """Plain sentences: where D begins, its Hopf points, and the notes."""
     known = result.equilibria
+    said = known.existence()
     if known.reach is None:
-        return [
-            f"There is no upper rivulet D between {known.speeds[0]:g} and {known.speeds[1]:g} m/s.",
-            *known.notes,
-        ]
-    said = (
-        [f"The upper rivulet D exists above {known.onset:.2f} m/s (fold)."] if known.onset is not None else []
-    )
+        return [*said, *known.notes]
     at = ", ".join(f"{point.parameter:.2f}" for point in result.hopf_on_d)
     said.append(
         f"Hopf points on D at {at} m/s." if at else f"D has no Hopf point up to {known.speeds[1]:g} m/s."
