@@ -4,7 +4,9 @@ The measure of an error is the largest intermediate: the largest |k! c_k| of any
 orders k up to the one compared, along the direction compared (for a Jacobian: along each of its directions).
 """
 
+import ast
 import math
+from pathlib import Path
 
 import mpmath
 import numpy as np
@@ -14,6 +16,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rainwind import elementary as rw
+from rainwind.dynamics.kernels import compiling
 from rainwind.dynamics.kernels.jets import directional, run_jets
 from rainwind.dynamics.kernels.tangents import first_order, jacobians, second_order
 from rainwind.dynamics.kernels.values import values
@@ -359,3 +362,22 @@ def test_each_function_equals_itself_called_with_numbers(name):
         assert values(*tape.arrays, np.array([[u, 0.4, 0.0]]))[0, 0] == pytest.approx(
             expected, rel=4e-15, abs=4e-16
         )
+
+
+KERNELS = sorted(Path(compiling.__file__).parent.glob("[a-z]*.py"))
+
+
+@pytest.mark.parametrize("path", KERNELS, ids=lambda path: path.stem)
+def test_the_cache_of_a_kernel_depends_on_all_kernels_that_it_imports(path):
+    """Else a change of a called kernel would leave the caller's old code in use."""
+    imported = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("rainwind.dynamics.kernels"):
+            parts = (node.module or "").split(".")
+            imported |= {parts[3]} if len(parts) > 3 else {alias.name for alias in node.names}
+        if isinstance(node, ast.Import):
+            assert not any(alias.name.startswith("rainwind") for alias in node.names), (
+                "write: from ... import"
+            )
+    if path.stem != "compiling":
+        assert imported <= compiling._needs(path.stem)
