@@ -50,6 +50,9 @@ class Walk:
         self.ended: Ended | None = None
 
     def __iter__(self) -> Iterator[Node]:
+        if not isinstance(self.problem, Equations):
+            yield from self._plain()
+            return
         for nodes in self.chunks():
             yield from nodes
 
