@@ -15,8 +15,12 @@ from tests.validation.auto.sample_case import (
     EQUILIBRIA,
     FOLD_CURVE,
     HOPF_CURVE,
+    LPC_CURVE,
+    NS_CURVE,
+    ORBIT_BRANCH,
     ORBITS,
     backward,
+    extended,
     fold_and_hopf_points,
     tight,
 )
@@ -28,6 +32,9 @@ def time_auto(folder: Path, *, repeats: int = 21) -> dict[str, Timing]:
     fold, on_d, on_c = fold_and_hopf_points(auto.run(tight(EQUILIBRIA)))
     silent = {"IID": 0}  # no diagnostics in fort.9
     orbits = ORBITS | {"NMX": 200}
+    branch = auto.run(ORBIT_BRANCH, on_d)
+    lpc = extended(auto, LPC_CURVE, branch.points("LP")[0])
+    ns = extended(auto, NS_CURVE, branch.points("TR")[0])
     runs = {
         "process start (equilibria, NMX = 1)": (EQUILIBRIA | {"NMX": 1}, None),
         "equilibria": (EQUILIBRIA, None),
@@ -44,10 +51,16 @@ def time_auto(folder: Path, *, repeats: int = 21) -> dict[str, Timing]:
         "fold curve, tight, silent": (tight(FOLD_CURVE) | silent, fold),
         "orbits from D, NTST 40, 200 points, silent": (orbits | silent, on_d),
         "orbits from D, NTST 80, 200 points, tight, silent": (tight(orbits) | silent | {"NTST": 80}, on_d),
+        "orbits, whole branch, NTST 60": (ORBIT_BRANCH, on_d),
+        "orbits, whole branch, NTST 60, silent": (ORBIT_BRANCH | silent, on_d),
+        "orbits: LPC curve, NTST 60": (LPC_CURVE, lpc),
+        "orbits: LPC curve, NTST 60, silent": (LPC_CURVE | silent, lpc),
+        "orbits: NS curve, NTST 60": (NS_CURVE, ns),
+        "orbits: NS curve, NTST 60, silent": (NS_CURVE | silent, ns),
     }
     # the orbits take a hundred times as long: fewer repeats
     return {
-        name: auto.time(constants, start, repeats=5 if "orbits" in name else repeats)
+        name: auto.time(constants, start, repeats=min(repeats, 5) if "orbits" in name else repeats)
         for name, (constants, start) in runs.items()
     }
 

@@ -71,6 +71,14 @@ class Run:
         }
         return np.array([found[i] for i in sorted(found)], dtype=complex)
 
+    def spectra(self) -> dict[int, NDArray[np.complex128]]:
+        """`spectrum` of every row for which fort.9 lists one, read at once."""
+        pattern = re.compile(r"^ *\d+ +(\d+) +(?:Eigenvalue|Multiplier) +(\d+):? +(\S+) +(\S+)", re.M)
+        rows: dict[int, dict[int, complex]] = {}
+        for row, i, real, imaginary in pattern.findall(self.diagnostics):
+            rows.setdefault(int(row), {})[int(i)] = complex(float(real), float(imaginary))
+        return {row: np.array([found[i] for i in sorted(found)]) for row, found in rows.items()}
+
 
 @dataclass(frozen=True)
 class Timing:

@@ -65,6 +65,23 @@ ORBITS = COMMON | {
     "UZSTOP": {1: [4.0, 25.1]},
 }
 
+# The whole branch of cycles at xi = 0.2 %, from the Hopf point on D to that on C; at its end AUTO would turn round
+# and come back. 416 points with all labels
+ORBIT_BRANCH = ORBITS | {"NTST": 60, "NMX": 1000, "DSMAX": 0.037, "UZSTOP": {1: [8.0642, 25.1]}}
+
+# Curves of cycles in (U, xi), 200 points each. Each takes two runs: the first, from a labelled point of ORBIT_BRANCH,
+# only makes the starting data (`extended`); the second starts from there
+LPC_CURVE = ORBITS | {
+    "ISW": 2,
+    "ICP": [1, 2, 11],
+    "NTST": 60,
+    "NMX": 200,
+    "UZSTOP": {1: [4.0, 25.1], 2: [1e-4, 0.01]},
+}
+# towards more damping, to the fold-Hopf point at 7.997 m/s, where it begins
+NS_CURVE = LPC_CURVE | {"DSMAX": 0.0243, "UZSTOP": {1: [7.998, 25.1], 2: [1e-4, 0.01]}}
+PD_CURVE = LPC_CURVE
+
 
 def tight(constants: Mapping[str, Any]) -> dict[str, Any]:
     """The same run with tight tolerances."""
@@ -83,11 +100,16 @@ def fold_and_hopf_points(branch: Run) -> tuple[LabelledPoint, LabelledPoint, Lab
     return fold, on_d, on_c
 
 
+def extended(auto: Auto, curve: Mapping[str, Any], start: LabelledPoint) -> LabelledPoint:
+    """AUTO's starting data of a curve of cycles: the cycle with its null vectors."""
+    return auto.run(curve, start).labelled[-1]
+
+
 class Equations:
     """f and its derivatives, called straight from the compiled Fortran."""
 
     def __init__(self, auto: Auto) -> None:
-        self._func = ctypes.CDLL(str(auto.shared_library())).func_
+        self.func = ctypes.CDLL(str(auto.shared_library())).func_
 
     def __call__(self, state: Array, speed: float, damping_ratio: float) -> tuple[Array, Array, Array]:
         """f of shape (6,), its Jacobian (6, 6), and its derivatives by (speed, damping ratio), (6, 2)."""
@@ -98,7 +120,7 @@ class Equations:
         pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in (u, par, f, dfdu, dfdp)]
         icp = (ctypes.c_int * 2)(1, 2)
         n, ijac = ctypes.byref(ctypes.c_int(6)), ctypes.byref(ctypes.c_int(2))
-        self._func(n, pointers[0], icp, pointers[1], ijac, *pointers[2:])
+        self.func(n, pointers[0], icp, pointers[1], ijac, *pointers[2:])
         return f, np.ascontiguousarray(dfdu), np.ascontiguousarray(dfdp[:, :2])
 
     def eigenvalues(self, point: LabelledPoint) -> np.ndarray:
