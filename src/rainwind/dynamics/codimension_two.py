@@ -1,9 +1,8 @@
 """Codimension-two points on curves of folds and Hopf points: cusp, bt, gh, zh, hh."""
 
 import numpy as np
-from scipy.optimize import brentq
 
-from rainwind.dynamics.continuation import point_between
+from rainwind.dynamics.continuation import zero_between
 from rainwind.dynamics.equations import Equations
 from rainwind.dynamics.inspection import Changes, Inspector, Probe
 from rainwind.dynamics.kernels import screening as kernel
@@ -55,31 +54,13 @@ def _locate(problem: Equations, kind: str, a: Probe, b: Probe, changes: Changes)
     column = _column(problem, kind, changes)
 
     def value(node: Node) -> float:
-        if column is None:
-            raise ValueError(kind)
         if column < 0:
             return float(node.tests[column])
         watched = kernel.watched(problem.kind, node.eigenvalues, node.u[-1])
         return float(kernel.matched(a.watched, watched)[column].real)
 
-    def at(fraction: float) -> Node:
-        if fraction in (0.0, 1.0):
-            return a.node if fraction == 0.0 else b.node
-        node = point_between(problem, a.node, b.node, fraction)
-        if node is None:
-            raise _Lost
-        return node
-
-    try:
-        first, last = value(a.node), value(b.node)
-        if first * last > 0:  # one end lies on the point, its value is mere rounding
-            fraction = 0.0 if abs(first) < abs(last) else 1.0
-            if min(abs(first), abs(last)) > 1e-9 * max(abs(first), abs(last)):
-                return None
-        else:
-            fraction: float = brentq(lambda t: value(at(t)), 0.0, 1.0, xtol=1e-12, maxiter=60)  # type: ignore[assignment]
-        node = at(fraction)
-    except (_Lost, RuntimeError, ValueError):
+    node = zero_between(problem, a.node, b.node, value)
+    if node is None:
         return None
     here = value(node)
     if kind == "gh" and abs(here) > 1e-3 * min(abs(value(a.node)), abs(value(b.node))):
@@ -87,11 +68,7 @@ def _locate(problem: Equations, kind: str, a: Probe, b: Probe, changes: Changes)
     return _described(problem, kind, node, here, abs(value(a.node) - value(b.node)))
 
 
-class _Lost(Exception):
-    """Newton failed between two nodes."""
-
-
-def _column(problem: Equations, kind: str, changes: Changes) -> int | None:
+def _column(problem: Equations, kind: str, changes: Changes) -> int:
     """Which value vanishes: a watched eigenvalue's number, or -2, -1 for the two tests."""
     if kind in ("zh", "hh"):
         return (changes.real or changes.pairs)[0]

@@ -20,7 +20,10 @@ class Mesh:
     degree: int = 4
 
     def __post_init__(self) -> None:
-        for name, value, low, high in (("intervals", self.intervals, 2, 100_000), ("degree", self.degree, 2, 12)):
+        for name, value, low, high in (
+            ("intervals", self.intervals, 2, 100_000),
+            ("degree", self.degree, 2, 12),
+        ):
             if isinstance(value, bool) or not isinstance(value, int | np.integer) or not low <= value <= high:
                 raise InputError(f"Mesh: {name} must be a whole number from {low} to {high}; got {value!r}")
 
@@ -162,7 +165,9 @@ class Grid:
         m = self.degree
         t = np.linspace(0.0, 1.0, 101)
         product = np.polynomial.Polynomial.fromroots(self.basis.points)
-        bound = np.max(np.abs(product.integ()(t) - product.integ()(0.0))) / float(np.prod(np.arange(1, m + 1)))
+        bound = np.max(np.abs(product.integ()(t) - product.integ()(0.0))) / float(
+            np.prod(np.arange(1, m + 1))
+        )
         return float(bound * np.max(self.lengths ** (m + 1) * self.next_derivative(x, scale)))
 
     def adapted(self, x: np.ndarray, scale: np.ndarray, intervals: int | None = None) -> "Grid":

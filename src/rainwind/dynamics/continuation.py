@@ -5,11 +5,12 @@ other object that can correct a predicted point: Newton across the tangent, a st
 when the tangent turns too much or the correction is too long.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
+from scipy.optimize import brentq
 
 from rainwind.dynamics.equations import Equations, smallest_step
 from rainwind.dynamics.kernels import march as kernel
@@ -27,6 +28,15 @@ class Problem(Protocol):
 
     def correct(self, near: Node, u: np.ndarray, tangent: np.ndarray) -> Node | None:
         """The node in the hyperplane through u across the tangent; None when Newton fails."""
+        ...
+
+
+@runtime_checkable
+class Adapting(Protocol):
+    """A problem that may go on in other unknowns after a step, such as a profile on another mesh."""
+
+    def adapted(self, node: Any, bend: np.ndarray) -> tuple[Any, Any, np.ndarray]:
+        """The problem to go on with, and the node and its tangent's turn per length in its unknowns."""
         ...
 
 
@@ -72,7 +82,11 @@ class Walk:
                 node, bounds[:, 0].copy(), bounds[:, 1].copy(), step, self.ds, count
             )
             if status == kernel.LEFT_WINDOW:
-                nodes, self.ended = self._stopped_at_bound(nodes, node)
+                before = nodes[-2] if len(nodes) > 1 else node
+                last, self.ended = self._stopped_at_bound(before, nodes[-1])
+                nodes = nodes[:-1]
+                if last is not None:
+                    nodes = nodes.followed_by(Nodes.of([last])) if len(nodes) else Nodes.of([last])
                 yield nodes
                 return
             if status == kernel.STEP_TOO_SMALL:
@@ -85,10 +99,12 @@ class Walk:
             # few at first, so that who stops early pays little
             count = min(2 * count, 512)
 
-    def _plain(self) -> Iterator[Node]:
-        problem, node, step = self.problem, self.start, self.ds
+    def _plain(self) -> Iterator[Any]:
+        node, step = self.start, self.ds
+        bend = np.zeros_like(node.u)  # the tangent's turn per length of the step before
         while True:
-            predicted = node.u + step * node.tangent * problem.scale
+            problem = self.problem
+            predicted = node.u + step * (node.tangent + 0.5 * step * bend) * problem.scale
             new = problem.correct(node, predicted, node.tangent)
             cosine = 0.0 if new is None else float(new.tangent @ node.tangent)
             if (
@@ -103,20 +119,25 @@ class Walk:
                 continue
             new = replace(new, arclength=node.arclength + step)
             if any(not low <= new.u[k] <= high for k, (low, high) in self.window.items()):
-                nodes, self.ended = self._stopped_at_bound(Nodes.of([new]), node)
-                yield from nodes
+                last, self.ended = self._stopped_at_bound(node, new)
+                if last is not None:
+                    yield last
                 return
+            if not np.all(np.abs(new.u / problem.scale) < 1e8):
+                self.ended = Ended.NOT_FINITE
+                return
+            bend = (new.tangent - node.tangent) / step
             yield new
             step = kernel.next_step(step, new.iterations, cosine, self.ds)
             node = new
+            if isinstance(problem, Adapting):
+                self.problem, node, bend = problem.adapted(node, bend)
 
-    def _stopped_at_bound(self, nodes: Nodes, before: Node) -> tuple[Nodes, Ended]:
-        """The nodes with the last one, which lies outside the window, moved back onto the bound.
+    def _stopped_at_bound(self, a: Any, b: Any) -> tuple[Any | None, Ended]:
+        """The node on the bound between a and b, which lies outside the window; None where a is on the bound.
 
         Where no solution is found there (the equations may have a pole at it) the walk has failed before the bound.
         """
-        a = nodes[-2] if len(nodes) > 1 else before
-        b = nodes[-1]
         passed = {
             k: low if b.u[k] < low else high
             for k, (low, high) in self.window.items()
@@ -130,14 +151,12 @@ class Walk:
         found = self.problem.correct(a, u, across)
         step = np.linalg.norm((b.u - a.u) / self.problem.scale)
         if found is None or not np.linalg.norm((found.u - u) / self.problem.scale) < step:
-            return nodes[:-1], Ended.STEP_TOO_SMALL
+            return None, Ended.STEP_TOO_SMALL
         if np.allclose(found.u / self.problem.scale, a.u / self.problem.scale, rtol=0.0, atol=1e-12):
-            return nodes[:-1], Ended.AT_BOUND  # the walk began on the bound
+            return None, Ended.AT_BOUND  # the walk began on the bound
         if found.tangent @ b.tangent < 0:
             found = self.problem.correct(a, found.u, a.tangent) or b
-        found = replace(found, arclength=a.arclength + fraction * (b.arclength - a.arclength))
-        last = Nodes.of([found])
-        return (nodes[:-1].followed_by(last) if len(nodes) > 1 else last), Ended.AT_BOUND
+        return replace(found, arclength=a.arclength + fraction * (b.arclength - a.arclength)), Ended.AT_BOUND
 
 
 def point_between(problem: Problem, a: Node, b: Node, fraction: float) -> Node | None:
@@ -154,3 +173,33 @@ def point_between(problem: Problem, a: Node, b: Node, fraction: float) -> Node |
     across = (1 - t) * a.tangent + t * b.tangent
     node = problem.correct(a, guess * problem.scale, across / np.linalg.norm(across))
     return None if node is None else replace(node, arclength=a.arclength + fraction * h)
+
+
+def zero_between(problem: Problem, a: Any, b: Any, value: Callable[[Any], float]) -> Any:
+    """The node between two neighbours where a value of the node vanishes, or None.
+
+    Where one end lies on the zero, so that its value is mere rounding, that end is the node.
+    """
+
+    def at(fraction: float) -> Any:
+        if fraction in (0.0, 1.0):
+            return a if fraction == 0.0 else b
+        node = point_between(problem, a, b, fraction)
+        if node is None:
+            raise _Lost
+        return node
+
+    first, last = value(a), value(b)
+    if first * last > 0:
+        fraction = 0.0 if abs(first) < abs(last) else 1.0
+        if min(abs(first), abs(last)) > 1e-9 * max(abs(first), abs(last)):
+            return None
+        return at(fraction)
+    try:
+        return at(brentq(lambda t: value(at(t)), 0.0, 1.0, xtol=1e-12, maxiter=60))  # type: ignore[arg-type]
+    except (_Lost, RuntimeError, ValueError):
+        return None
+
+
+class _Lost(Exception):
+    """Newton failed between two nodes."""

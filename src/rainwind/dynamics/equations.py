@@ -88,6 +88,11 @@ class Equations:
         at[:, free] = u[:, n : n + len(free)]
         return at
 
+    def named(self, u: np.ndarray) -> dict[str, float]:
+        """The free parameters in u, by name."""
+        n = len(self.system.states)
+        return {name: float(u[n + k]) for k, name in enumerate(self.along)}
+
     def _march(
         self, near: Node, u: np.ndarray, tangent: np.ndarray, lower: np.ndarray, upper: np.ndarray,
         step: float, largest: float, count: int,

@@ -9,12 +9,12 @@ too many probes were spent.
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rainwind.dynamics.continuation import point_between
-from rainwind.dynamics.equations import Equations
 from rainwind.dynamics.kernels import screening as kernel
 from rainwind.dynamics.nodes import Node, Nodes
 from rainwind.dynamics.results import SpecialPoint, Unexplained
@@ -22,7 +22,6 @@ from rainwind.dynamics.results import SpecialPoint, Unexplained
 Complex = NDArray[np.complex128]
 
 _SHORTEST = 1e-9  # of arclength
-_MOST_PROBES = 500  # in one interval: values that only look like crossings could ask for millions
 # the middle, or where the curve bends too sharply for Newton, as near to either end as need be
 _INSIDE = (0.5, 0.25, 0.75, 0.0625, 0.9375, 0.004, 0.996)
 _STRAIGHT = 0.2
@@ -52,13 +51,14 @@ class Changes:
     """What changed sign between two probes."""
 
     tests: tuple[bool, bool]
-    real: tuple[int, ...]  # watched real eigenvalues
+    real: tuple[int, ...]  # watched real eigenvalues; of orbits, positive real multipliers
     pairs: tuple[int, ...]  # watched complex eigenvalues, both of a pair
+    negative: tuple[int, ...] = ()  # of orbits, negative real multipliers
 
     @property
     def any(self) -> bool:
         """Whether anything changed."""
-        return any(self.tests) or bool(self.real or self.pairs)
+        return any(self.tests) or bool(self.real or self.pairs or self.negative)
 
 
 @dataclass(frozen=True)
@@ -69,10 +69,11 @@ class Inspector:
     where they fit none; locate: kind, two probes, changes -> the point, or None when it could not be located there.
     """
 
-    problem: Equations
+    problem: Any
     continuous: tuple[bool, bool]
     classify: Callable[[Changes], str | None]
     locate: Callable[[str, Probe, Probe, Changes], SpecialPoint | None]
+    most_probes: int = 500  # in one interval: values that only look like crossings could ask for millions
 
     def labels(self, nodes: Nodes) -> tuple[list[SpecialPoint], list[Unexplained]]:
         """All special points between the nodes, and the changes that none explains."""
@@ -87,24 +88,23 @@ class Inspector:
         # the pace just before each interval and just after it; outside the walk there is none, so measure it
         first, last = (Probe(nodes[i], ordered[i], pace[i]) for i in (0, len(nodes) - 1))
         second, last_but_one = (Probe(nodes[i], ordered[i], pace[i]) for i in (1, len(nodes) - 2))
-        before = np.vstack([self._pace_at(first, second), pace[1:-1]])
-        after = np.vstack([pace[2:], self._pace_at(last, last_but_one)])
+        before = np.vstack([self.pace_at(first, second), pace[1:-1]])
+        after = np.vstack([pace[2:], self.pace_at(last, last_but_one)])
         values = np.hstack([ordered.real, nodes.tests])
         flags |= kernel.hasty_intervals(values, np.maximum(before, after), nodes.arclength, continuous)
         for i in np.flatnonzero(flags).tolist():
             a = Probe(nodes[i], ordered[i], before[i])
             b = Probe(nodes[i + 1], ordered[i + 1], after[i])
-            self._explain(a, b, points, unexplained)
+            self.explain(a, b, points, unexplained)
         return sorted(points, key=lambda p: p.arclength), sorted(unexplained, key=lambda u: u.between)
 
-    def _pace_at(self, end: Probe, neighbour: Probe) -> np.ndarray:
+    def pace_at(self, end: Probe, neighbour: Probe) -> np.ndarray:
         """The pace right at one end of an interval."""
         near = self.between(end, neighbour, (0.01,))
-        return end.pace if near is None else _pace(end, near)
+        return end.pace if near is None else pace(end, near)
 
-    def _explain(
-        self, a: Probe, b: Probe, points: list[SpecialPoint], unexplained: list[Unexplained]
-    ) -> None:
+    def explain(self, a: Probe, b: Probe, points: list[Any], unexplained: list[Unexplained]) -> None:
+        """Add what happens between two probes: points, and changes that none explains."""
         # breadth first: noise in one part must not use up the probes of another
         intervals, probes = deque([(a, b)]), 0
         while intervals:
@@ -115,7 +115,7 @@ class Inspector:
             if not changes.any and not unsettled:
                 continue
             length = b.node.arclength - a.node.arclength
-            middle = self.between(a, b, _INSIDE) if length > _SHORTEST and probes < _MOST_PROBES else None
+            middle = self.between(a, b, _INSIDE) if length > _SHORTEST and probes < self.most_probes else None
             probes += 1
             point = None
             if kind and (middle is None or (not unsettled and self._straight(a, middle, b, changes))):
@@ -124,10 +124,10 @@ class Inspector:
                 points.append(point)
             elif middle is not None:
                 # the second half's eigenvalues follow the middle's order
-                last = Probe(b.node, kernel.matched(middle.watched, b.watched), b.pace)
+                last = Probe(b.node, self.in_order(middle.watched, b.watched), b.pace)
                 intervals += [(a, middle), (middle, last)]
             elif b.count != a.count or kind not in (None, "gh") or length > _SHORTEST:
-                where = (self._parameters(a.node), self._parameters(b.node))
+                where = (self.problem.named(a.node.u), self.problem.named(b.node.u))
                 unexplained.append(
                     Unexplained((a.node.arclength, b.node.arclength), where, b.count - a.count)
                 )
@@ -139,11 +139,19 @@ class Inspector:
             node = point_between(self.problem, a.node, b.node, fraction)
             if node is None or max(self._distance(a.node, node), self._distance(node, b.node)) > length:
                 continue
-            watched = kernel.watched(self.problem.kind, node.eigenvalues, node.u[-1])
-            watched = kernel.signed(a.watched, kernel.matched(a.watched, watched), node.eigenvalues)
+            watched = self.watched(a.watched, node)
             middle = Probe(node, watched, np.zeros_like(a.pace))
-            return replace(middle, pace=np.maximum(_pace(a, middle), _pace(middle, b)))
+            return replace(middle, pace=np.maximum(pace(a, middle), pace(middle, b)))
         return None
+
+    def watched(self, before: Complex, node: Node) -> Complex:
+        """The watched eigenvalues of a node in the order of those before, and of their signs while mere rounding."""
+        watched = kernel.watched(self.problem.kind, node.eigenvalues, node.u[-1])
+        return kernel.signed(before, self.in_order(before, watched), node.eigenvalues)
+
+    def in_order(self, before: Complex, after: Complex) -> Complex:
+        """Watched eigenvalues in the order of those before."""
+        return kernel.matched(before, after)
 
     def _distance(self, a: Node, b: Node) -> float:
         return float(np.max(np.abs((b.u - a.u) / self.problem.scale)))
@@ -154,7 +162,11 @@ class Inspector:
         real = tuple(int(k) for k in crossed if a.watched[k].imag == 0 == b.watched[k].imag)
         pairs = tuple(int(k) for k in crossed if k not in real)
         fold, branch = (a.node.tests > 0) != (b.node.tests > 0)
-        return Changes((bool(fold), bool(branch)), real, pairs)
+        return self.sorted_changes(Changes((bool(fold), bool(branch)), real, pairs), a, b)
+
+    def sorted_changes(self, changes: Changes, a: Probe, b: Probe) -> Changes:
+        """Changes as this kind of curve tells them apart."""
+        return changes
 
     def _unsettled(self, a: Probe, b: Probe, turns: bool) -> bool:
         """Whether values may have crossed twice; turns: the branch turns at a pitchfork."""
@@ -166,7 +178,7 @@ class Inspector:
 
     def _straight(self, a: Probe, middle: Probe, b: Probe, changes: Changes) -> bool:
         """Whether what changes sign does so once: nearly straight through the middle."""
-        columns = [*changes.real, *changes.pairs]
+        columns = [*changes.real, *changes.pairs, *changes.negative]
         if not columns:
             columns = [len(a.watched) + k for k in (0, 1) if changes.tests[k] and self.continuous[k]][:1]
         for k in columns:
@@ -175,11 +187,7 @@ class Inspector:
                 return False
         return True
 
-    def _parameters(self, node: Node) -> dict[str, float]:
-        n = len(self.problem.system.states)
-        return {name: float(node.u[n + k]) for k, name in enumerate(self.problem.along)}
 
-
-def _pace(a: Probe, b: Probe) -> np.ndarray:
+def pace(a: Probe, b: Probe) -> np.ndarray:
     """How fast the values change between two probes."""
     return np.abs(b.values - a.values) / max(abs(b.node.arclength - a.node.arclength), 1e-300)

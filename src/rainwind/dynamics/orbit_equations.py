@@ -1,8 +1,6 @@
 """Periodic orbits as a curve H(u) = 0: collocation, periodicity, and an integral phase condition."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, field
 
 import numpy as np
 

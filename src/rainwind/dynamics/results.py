@@ -23,6 +23,12 @@ class Ended(Enum):
     REFUSED = "the model refused the next state"
     NOT_FINITE = "a state or parameter became too large"
     INTERRUPTED = "interrupted by the user"
+    AT_HOPF = "the orbits shrank to a Hopf point"
+    AT_CONDITION = "the condition that was asked for was met"
+    HOMOCLINIC = "the period grew beyond its limit: a homoclinic or heteroclinic orbit is suspected"
+    MESH_AT_LIMIT = "the orbit needs more mesh intervals than allowed"
+    AT_RESONANCE = "the curve ended at a strong resonance; beyond it the multipliers are real"
+    REVISITED = "the walk came back to where it had been"
 
 
 @dataclass(frozen=True)
@@ -149,6 +155,15 @@ class Unexplained:
     parameters: tuple[Mapping[str, float], Mapping[str, float]]
     change: int
 
+    def __str__(self) -> str:
+        what = (
+            f"the number of unstable eigenvalues changes by {self.change:+d}"
+            if self.change
+            else "a test value changes sign or touches zero"
+        )
+        first, last = self.between
+        return f"between arclength {first:.6g} and {last:.6g} {what} and no label explains it"
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Branch:
@@ -215,19 +230,11 @@ class Branch:
     def pieces(self, *names: str) -> Iterator[tuple[int, tuple[np.ndarray, ...]]]:
         """Pieces of constant stability for drawing: (number unstable, columns), cut exactly at the labels."""
         cuts = [p for p in self.special if p.kind in ("fold", "hopf", "bp", "zh", "hh", "bt")]
-        bounds = [-np.inf, *(p.arclength for p in cuts), np.inf]
-        for i in range(len(bounds) - 1):
-            inside = (self.arclength > bounds[i]) & (self.arclength < bounds[i + 1])
-            if not np.any(inside):
-                continue
-            columns = []
-            for name in names:
-                column = self[name][inside]
-                before = [cuts[i - 1][name]] if i > 0 else []
-                after = [cuts[i][name]] if i < len(cuts) else []
-                columns.append(np.concatenate([before, column, after]))
-            # the count in the middle: points beside a label may sit on the axis to rounding
-            yield int(np.median(self.unstable[inside])), tuple(columns)
+        at_cuts = [[p[name] for name in names] for p in cuts]
+        columns = [self[name] for name in names]
+        yield from pieces_between(
+            self.arclength, self.unstable, [p.arclength for p in cuts], at_cuts, columns
+        )
 
     def at(self, name: str, value: float) -> np.ndarray:
         """Arclengths at which a column passes `value`, by linear interpolation between points."""
@@ -262,17 +269,30 @@ class Branch:
             for p in self.special
             if not p.certificate.holds
         ]
-        faults += [
-            f"between arclength {u.between[0]:.6g} and {u.between[1]:.6g} "
-            + (
-                f"the number of unstable eigenvalues changes by {u.change:+d}"
-                if u.change
-                else "a test value changes sign or touches zero"
-            )
-            + " and no label explains it"
-            for u in self.unexplained
-        ]
+        faults += [str(gap) for gap in self.unexplained]
         return faults + [end.value for end in self.ended if end in _BAD_ENDS]
+
+
+def pieces_between(
+    arclength: np.ndarray,
+    unstable: np.ndarray,
+    cuts: Sequence[float],
+    at_cuts: Sequence[Sequence[float]],
+    columns: Sequence[np.ndarray],
+) -> Iterator[tuple[int, tuple[np.ndarray, ...]]]:
+    """Columns cut at some arclengths, where their values are given: (number unstable, columns) a piece."""
+    bounds = [-np.inf, *cuts, np.inf]
+    for i in range(len(bounds) - 1):
+        inside = (arclength > bounds[i]) & (arclength < bounds[i + 1])
+        if not np.any(inside):
+            continue
+        found = []
+        for k, column in enumerate(columns):
+            before = [at_cuts[i - 1][k]] if i > 0 else []
+            after = [at_cuts[i][k]] if i < len(cuts) else []
+            found.append(np.concatenate([before, column[inside], after]))
+        # the count in the middle: points beside a label may sit on the axis to rounding
+        yield int(np.median(unstable[inside])), tuple(found)
 
 
 KINDS = ("fold", "hopf", "bp", "cusp", "bt", "gh", "zh", "hh")

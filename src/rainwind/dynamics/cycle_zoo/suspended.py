@@ -29,7 +29,16 @@ from rainwind.dynamics.cycle_zoo.known import (
 from rainwind.dynamics.system import System
 from rainwind.elementary import exp
 
-KINDS = {"fold": "lpc", "hopf": "ns", "bp": "bp", "cusp": "cpc", "gh": "ch", "bt": "r1", "zh": "lpns", "hh": "nsns"}
+KINDS = {
+    "fold": "lpc",
+    "hopf": "ns",
+    "bp": "bp",
+    "cusp": "cpc",
+    "gh": "ch",
+    "bt": "r1",
+    "zh": "lpns",
+    "hh": "nsns",
+}
 
 # all parameters -> (branch, state) of every equilibrium
 Equilibria = Callable[[Parameters], Sequence[tuple[str, Sequence[float]]]]
@@ -82,7 +91,10 @@ def suspended(
         angles = tuple(folded(omega * _period(answer, omega)) for omega in omegas)
         soft = None if answer.kind != "hopf" or not answer.lyapunov else answer.lyapunov < 0
         return CycleAnswer(
-            KINDS[answer.kind], answer.at, angles if len(angles) > 1 else (angles[0] if angles else None), soft
+            KINDS[answer.kind],
+            answer.at,
+            angles if len(angles) > 1 else (angles[0] if angles else None),
+            soft,
         )
 
     def _period(answer: zoo.Answer, omega: float) -> float:
@@ -236,7 +248,11 @@ def lorenz() -> KnownCycles:
         x = sqrt(p["beta"] * max(p["rho"] - 1, 0.0))
         return [("main", (s * x, s * x, p["rho"] - 1)) for s in (1.0, -1.0) if x] + [("crossing", (0.0,) * 3)]
 
-    return suspended(zoo.lorenz(), equilibria, carrier=26.5, shear=0.01)
+    known = suspended(zoo.lorenz(), equilibria, carrier=25.1, shear=0.01)
+    first, pitchfork, _ = known.answers
+    mirrored = min(known.cycles(first.at, "main"), key=lambda c: -c.period)
+    angle = folded(float(np.sort(mirrored.exponents.imag)[-1]))
+    return replace(known, answers=(first, pitchfork, replace(first, angle=angle)))
 
 
 def predator_prey() -> KnownCycles:

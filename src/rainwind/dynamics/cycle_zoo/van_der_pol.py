@@ -41,7 +41,13 @@ def van_der_pol(born: bool = True) -> KnownCycles:
 
         def at(t: Any) -> np.ndarray:
             run = solve_ivp(
-                lambda _, x: system.f(x, p), (0, period), start, "DOP853", rtol=1e-13, atol=1e-13, dense_output=True
+                lambda _, x: system.f(x, p),
+                (0, period),
+                start,
+                "DOP853",
+                rtol=1e-13,
+                atol=1e-13,
+                dense_output=True,
             )
             return np.moveaxis(run.sol(np.mod(t, period).ravel()).reshape(2, *np.shape(t)), 0, -1)
 

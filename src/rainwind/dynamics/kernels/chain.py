@@ -60,7 +60,9 @@ def reduce_chain(steps, n):
                 reflections[j - 1, k, r] = a[r, k] * scale
             reflections[j - 1, k, k] = (a[k, k] - alpha) * scale
             a[k, k] = alpha
-            sign = -sign if alpha > 0.0 else sign  # a reflection turns the determinant; so does a negative alpha
+            sign = (
+                -sign if alpha > 0.0 else sign
+            )  # a reflection turns the determinant; so does a negative alpha
             reflect(reflections[j - 1, k], a, k, k + 1, 3 * n + c)
         for r in range(n):
             for k in range(n):

@@ -21,7 +21,7 @@ from rainwind.dynamics.kernels.linear import product, solve_many, transposed_pro
 _EPS = 2.220446049250313e-16
 _LN2 = 0.6931471805599453
 _SWEEPS = 40  # for one deflation; five are usual
-GROUPED = 1e3  # largest condition number of a product of neighbours to which one more factor is joined
+GROUPED = 1e2  # largest condition number of a product of neighbours to which one more factor is joined
 
 
 @compiled
@@ -253,7 +253,7 @@ def _entry(r, k):
     for j in range(r.shape[0]):
         mantissa, shift = math.frexp(mantissa * r[j, k, k])
         exponent += shift
-    return math.log(abs(mantissa)) + exponent * _LN2, math.copysign(1.0, mantissa)
+    return np.log(abs(mantissa)) + exponent * _LN2, math.copysign(1.0, mantissa)
 
 
 @compiled
@@ -262,9 +262,8 @@ def _pair(h, r, k):
     a, b, d, e = _corner(r, k)
     log_a, sign_a = _entry(r, k)
     log_d, sign_d = _entry(r, k + 1)
-    # moduli of a and d: their signs go to the columns of h, which is then a rotation or a reflection
-    a, b, d = abs(a), sign_d * b, abs(d)
-    b *= sign_a * sign_d  # R = diag(signs) |R|
+    # R = diag(signs) R' and H' = H diag(signs): a', d' are positive, H' is a rotation or a reflection
+    a, b, d = abs(a), sign_a * b, abs(d)
     h00, h10 = h[k, k] * sign_a, h[k + 1, k] * sign_a
     h01, h11 = h[k, k + 1] * sign_d, h[k + 1, k + 1] * sign_d
     rotation = h00 * h11 - h01 * h10 > 0.0
@@ -273,9 +272,9 @@ def _pair(h, r, k):
         if h00 + h11 < 0.0:
             sign, h00, h10, h11 = -1.0, -h00, -h10, -h11
         # t/2 - g and t^2/4 - g^2 (trace t, determinant g^2) without cancellation near a double multiplier
-        c, g = 0.5 * (h00 + h11), np.sqrt(a) * np.sqrt(d)
-        roots = np.sqrt(a) + np.sqrt(d)
-        less = 0.5 * (c * ((a - d) / roots) ** 2 + h10 * b) - h10 * h10 / (1.0 + c) * g
+        c, g, roots = 0.5 * (h00 + h11), np.sqrt(a) * np.sqrt(d), np.sqrt(a) + np.sqrt(d)
+        apart = (a - d) / roots if roots > 0.0 else 0.0
+        less = 0.5 * (c * apart * apart + h10 * b) - h10 * h10 / (1.0 + c) * g
         half, square = less + g, less * (less + 2.0 * g)
     else:
         half = 0.5 * (h00 * a + h10 * b + h11 * d)
@@ -285,12 +284,13 @@ def _pair(h, r, k):
         log = 0.5 * (log_a + log_d)
         return complex(log, angle), complex(log, -angle)
     larger = abs(half) + np.sqrt(square)
-    first = math.log(larger) + e * _LN2
+    first = np.log(larger) + e * _LN2
+    second = log_a + log_d - first if larger > 0.0 else first
     negative = sign * half < 0.0
     other = negative if rotation else not negative
     return (
         complex(first, math.pi if negative else 0.0),
-        complex(log_a + log_d - first, math.pi if other else 0.0),
+        complex(second, math.pi if other else 0.0),
     )
 
 
@@ -349,7 +349,7 @@ def _sweep(h, r, low, high, exceptional):
 @compiled
 def _split(h, r, found):
     """The multipliers of H R_K ... R_1, NaN where QR does not converge."""
-    n = h.shape[0]
+    n = h.shape[1]
     for j in range(n - 2):
         for i in range(n - 2, j, -1):
             _eliminate(h, r, i, j, 0, n - 1)
