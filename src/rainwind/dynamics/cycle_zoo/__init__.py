@@ -1,6 +1,7 @@
 """Small systems with cycles known exactly, with all their bifurcations, to test the numerics against.
 
-Nothing here comes from a collocation: every orbit is a circle, a harmonic, an elliptic function (van der Pol's: Taylor series).
+Nothing here comes from a collocation: every orbit is a circle, a harmonic or an elliptic function, van der Pol's a
+Taylor series.
 """
 
 from rainwind.dynamics.cycle_zoo import driven, planar, suspended, twisted, van_der_pol

@@ -16,7 +16,7 @@ def circle(cosine: Any, sine: Any, turn: Any) -> tuple[Any, Any]:
 
 
 def forced_oscillator() -> KnownCycles:
-    """x'' + 2 damping x' + x = drive cos(frequency t): one cycle, no special point, multipliers from s^2 + 2 d s + 1."""
+    """x'' + 2 d x' + x = drive cos(frequency t): one cycle, no special point, multipliers from s^2 + 2 d s + 1."""
 
     def rhs(x: Any, p: Any) -> Any:
         acceleration = p.drive * x.cosine - 2 * p.damping * x.speed - x.place
@@ -28,12 +28,12 @@ def forced_oscillator() -> KnownCycles:
         period = 2 * pi / w
 
         def at(t: Any) -> np.ndarray:
-            wave = np.exp(1j * w * np.asarray(t))
+            wave: Any = np.exp(1j * w * np.asarray(t))
             place = response * wave
             return np.stack([place.real, (1j * w * place).real, wave.real, wave.imag], axis=-1)
 
         roots = np.array([-d + 1j * sqrt(1 - d**2), -d - 1j * sqrt(1 - d**2)])
-        return [Cycle("main", p, period, at, period * np.append(roots, [0, -2]))]
+        return [Cycle("main", p, period, at, period * np.array([*roots, 0, -2], complex))]
 
     system = System(
         rhs, ("place", "speed", "cosine", "sine"), {"frequency": 0.6, "damping": 0.05, "drive": 1.0}
@@ -55,7 +55,7 @@ def stiff() -> KnownCycles:
 
     def all_cycles(p: Parameters) -> list[Cycle]:
         def at(t: Any) -> np.ndarray:
-            wave = np.exp(2j * pi * np.asarray(t))
+            wave: Any = np.exp(2j * pi * np.asarray(t))
             lags = [(p["drive"] * wave / (2j * pi - rate)).real for rate in rates]
             return np.stack([wave.real, wave.imag, *lags], axis=-1)
 

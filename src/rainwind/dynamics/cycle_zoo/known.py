@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rainwind.dynamics.system import System
 from rainwind.errors import InputError
@@ -24,10 +25,10 @@ class Cycle:
     parameters: Parameters
     period: float
     at: Callable[[Any], np.ndarray]
-    exponents: np.ndarray
+    exponents: NDArray[np.complex128]
 
     @property
-    def multipliers(self) -> np.ndarray:
+    def multipliers(self) -> NDArray[np.complex128]:
         """All n multipliers, the trivial 1 among them, by falling modulus."""
         return np.exp(self.exponents[np.argsort(-self.exponents.real, kind="stable")])
 

@@ -69,8 +69,8 @@ def hopf() -> KnownCycles:
 def bautin(b2: float = 1.0) -> KnownCycles:
     """r' = r (b1 + b2 r^2 - r^4): r^2 = (b2 +- sqrt(b2^2 + 4 b1)) / 2 (Kuznetsov, 3rd ed., sec. 8.3).
 
-    From the hard Hopf point b1 = 0 (b2 > 0) to an LPC at b1 = -b2^2/4; its curve ends at the Bautin point b1 = b2 = 0,
-    where the cycle has shrunk to the equilibrium.
+    From the hard Hopf point b1 = 0 (b2 > 0) to an LPC at b1 = -b2^2/4; its curve ends at the Bautin point
+    b1 = b2 = 0, where the cycle has shrunk to the equilibrium.
     """
     lpc = CycleAnswer("lpc", {"b1": -(b2**2) / 4})
     curve = KnownCurve(
@@ -99,7 +99,7 @@ def cusp(a: float = 0.9) -> KnownCycles:
     curve = KnownCurve(
         "lpc",
         ("b", "a"),
-        {"b": (-2.0, 2.0), "a": (-1.0, 2.0)},
+        {"b": (-1.3, 1.3), "a": (-1.0, 2.0)},
         lambda p: 27 * p["b"] ** 2 - 4 * p["a"] ** 3,
         (CycleAnswer("cpc", {"a": 0.0, "b": 0.0}),),
     )
@@ -145,8 +145,8 @@ def isola(c: float = 1.0) -> KnownCycles:
 def level_curve(pull: float = 2.0) -> KnownCycles:
     """x' = H_y - k (H - h) H_x, y' = -H_x - k (H - h) H_y with H = y^2/2 + x^2/2 - x^3/3: the cycle is H = h.
 
-    On it x'' = x^2 - x, so x = e1 + (e2 - e1) sn^2; multiplier exp(-k integral |grad H|^2 dt). Born at the Hopf point
-    h = 0; homoclinic to (1, 0), a saddle of zero trace, at h = 1/6.
+    On it x'' = x^2 - x, so x = e1 + (e2 - e1) sn^2; multiplier exp(-k integral |grad H|^2 dt). Born at the Hopf
+    point h = 0; homoclinic to (1, 0), a saddle of zero trace, at h = 1/6.
     """
 
     def rhs(x: Any, p: Any) -> Any:
@@ -182,7 +182,8 @@ def alpha_loop() -> KnownCycles:
     """Sandstede (1997): x' = -x + 2y + x^2 + mu x (2 - 3x), y' = 2x - y - 3x^2 + 3/2 x y - 2 mu y.
 
     At mu = 0 the curve x^2 (1 - x) = y^2 is a homoclinic loop of the origin, eigenvalues 1 and -3. The stable cycle
-    inside it lives from there to the Hopf point where the trace at the other equilibrium vanishes.
+    inside it lives from there to the Hopf point where the trace at the other equilibrium vanishes. The cycle itself
+    is not known.
     """
 
     def rhs(x: Any, p: Any) -> Any:

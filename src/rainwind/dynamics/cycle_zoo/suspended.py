@@ -1,9 +1,10 @@
 """Equilibria carried round a circle: every special point of `zoo`'s equilibria becomes one of cycles.
 
-With theta' = carrier exp(shear z1) on the unit circle and z' = f(z, p), an equilibrium z of f gives a cycle of period
-T = 2 pi exp(-shear z1) / carrier with multipliers 1, exp(-2 T) and exp(lambda T), lambda the eigenvalues of Df: folds become
-lpc, Hopf points ns of angle omega T, and bp, cusp, gh, bt, zh, hh become bp, cpc, ch, r1, lpns, nsns. The shear lets
-the period follow z1, which makes r1 generic. From two states on, the plane (z1, z2) turns with theta, w = R(theta) z.
+With theta' = carrier exp(shear z1) on the unit circle and z' = f(z, p), an equilibrium z of f gives a cycle of
+period T = 2 pi exp(-shear z1) / carrier with multipliers 1, exp(-2 T) and exp(lambda T), lambda the eigenvalues of
+Df: folds become lpc, Hopf points ns of angle omega T, and bp, cusp, gh, bt, zh, hh become bp, cpc, ch, r1, lpns, nsns.
+The shear lets the period follow z1, which makes r1 generic. From two states on, the plane (z1, z2) turns with theta,
+w = R(theta) z.
 """
 
 from collections.abc import Callable, Sequence
@@ -246,7 +247,8 @@ def lorenz() -> KnownCycles:
 
     def equilibria(p: Parameters) -> list[tuple[str, Sequence[float]]]:
         x = sqrt(p["beta"] * max(p["rho"] - 1, 0.0))
-        return [("main", (s * x, s * x, p["rho"] - 1)) for s in (1.0, -1.0) if x] + [("crossing", (0.0,) * 3)]
+        sides = (x, -x) if x else ((0.0,) if p["rho"] == 1 else ())
+        return [*(("main", (x, x, p["rho"] - 1)) for x in sides), ("crossing", (0.0,) * 3)]
 
     known = suspended(zoo.lorenz(), equilibria, carrier=25.1, shear=0.01)
     first, pitchfork, _ = known.answers

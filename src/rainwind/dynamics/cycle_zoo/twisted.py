@@ -1,10 +1,10 @@
 """Cycles whose surroundings twist: period doubling, its curves and their codimension-2 points.
 
 A plane w goes round the cycle in a frame that makes half turns, w = R(k theta / 2) z, with z' = G z and G a matrix of
-z1^2 and other even quantities. After one round z has become (-1)^k z: the multipliers are (-1)^k exp(lambda T), lambda the
-eigenvalues of G, and for odd k an equilibrium z of the plane is a cycle of period 2T. As a function of theta, R G R^-1 has
-only cos k theta and sin k theta in it. `flat`: the plane has two states of its own beside the unit circle (polynomials, four
-states); else it is the plane across a circle in space, w = (r - 1, height), which takes three.
+z1^2 and other even quantities. After one round z has become (-1)^k z: the multipliers are (-1)^k exp(lambda T), lambda
+the eigenvalues of G, and for odd k an equilibrium z of the plane is a cycle of period 2T. As a function of theta,
+R G R^-1 has only cos k theta and sin k theta in it. `flat`: the plane has two states of its own beside the unit circle
+(polynomials, four states); else it is the plane across a circle in space, w = (r - 1, height), which takes three.
 """
 
 from collections.abc import Sequence
@@ -86,9 +86,7 @@ def _names(flat: bool, *others: str) -> tuple[str, ...]:
     return (("cosine", "sine", "u", "v") if flat else ("x", "y", "height")) + others
 
 
-def _exponents(
-    period: float, rates: Sequence[complex], half_turns: int, flat: bool, others: Sequence[complex] = ()
-) -> np.ndarray:
+def _exponents(period: float, rates: Any, half_turns: int, flat: bool, others: Any = ()) -> np.ndarray:
     """Of the plane, of the phase, across the unit circle if there is one, of other states."""
     plane = [rate * period + 1j * pi * half_turns for rate in rates]
     return np.array(
@@ -152,7 +150,7 @@ def doubling(
 
     places = {"a": 0.0}
     curves: tuple[KnownCurve, ...] = ()
-    until = {"b": (-1.0, 1.0), "a": (-0.6, 0.6)}
+    until = {"b": (-1.3, 1.1), "a": (-0.6, 0.6)}
     answers: tuple[CycleAnswer, ...] = (
         CycleAnswer("pd" if odd else "bp", places, soft=cubic < 0 if odd else None),
     )
@@ -179,8 +177,8 @@ def doubling(
 def strong_resonance(along: str = "q", branch: str = "main", *, flat: bool = False) -> KnownCycles:
     """z1' = z2, z2' = -(q + z1^2) z1 + (2 a - z1^2) z2: Bogdanov & Takens' normal form with the symmetry of 1:2.
 
-    Multipliers -exp((a +- sqrt(a^2 - q)) T): pd on q = 0, ns on a = 0 < q with angle pi - sqrt(q) T, r2 at a = q = 0, r3 and
-    r4 at angles 2 pi/3 and pi/2. Doubled cycles z1^2 = -q, with ns where a = -q/2, omega^2 = -2q.
+    Multipliers -exp((a +- sqrt(a^2 - q)) T): pd on q = 0, ns on a = 0 < q with angle pi - sqrt(q) T, r2 at
+    a = q = 0, r3 and r4 at angles 2 pi/3 and pi/2. Doubled cycles z1^2 = -q, with ns where a = -q/2, omega^2 = -2q.
     """
 
     def rhs(x: Any, p: Any) -> Any:
@@ -225,7 +223,7 @@ def strong_resonance(along: str = "q", branch: str = "main", *, flat: bool = Fal
         a, q, along = 0.3, -0.3, "a"
         omega = sqrt(-2 * q)
         angle = folded(omega * 4 * pi / (CARRIER - SHEAR * q))
-        answers = (CycleAnswer("ns", {"a": -q / 2}, angle, True),)
+        answers = (CycleAnswer("ns", {"a": -q / 2}, angle, False),)
         # the angle of the curve passes pi where expm(T Df) = -1, so the window is narrow
         curves = (
             KnownCurve(
@@ -246,9 +244,9 @@ def strong_resonance(along: str = "q", branch: str = "main", *, flat: bool = Fal
 def fold_flip(a: float = -0.4, branch: str = "main") -> KnownCycles:
     """f' = b - f^2 - e z1^2, z1' = (a + f - z1^2) z1, z2' = lag z2, theta' = carrier exp(shear f); four states.
 
-    Cycles f = +-sqrt(b): lpc on b = 0, pd on b = a^2 (f = -a), foldflip where they touch, a = b = 0; gpd where
-    the pd's cubic coefficient e/(2a) - 1 vanishes, a = e/2. Doubled cycles z1^2 = a + f, f^2 + e (a + f) = b, with ns at f = -a/2
-    for 0 < a < e.
+    Cycles f = +-sqrt(b): lpc on b = 0, pd on b = a^2 (f = -a), foldflip where they touch, a = b = 0; gpd where the
+    pd's cubic coefficient e/(2a) - 1 vanishes, a = e/2. Doubled cycles z1^2 = a + f, f^2 + e (a + f) = b, with ns at
+    f = -a/2 for 0 < a < e.
     """
 
     def rhs(x: Any, p: Any) -> Any:
@@ -299,7 +297,7 @@ def fold_flip(a: float = -0.4, branch: str = "main") -> KnownCycles:
         f = -a / 2
         omega = sqrt(2 * (a + f) * (2 * f + e))
         angle = folded(omega * 4 * pi / (CARRIER * np.exp(SHEAR * f)))
-        answers, curves = (CycleAnswer("ns", {"b": f**2 + e * (a + f)}, angle),), ()
+        answers, curves = (CycleAnswer("ns", {"b": f**2 + e * (a + f)}, angle, False),), ()
         until = (a**2 + 0.01, 0.5)
     system = System(
         rhs,

@@ -9,8 +9,9 @@ from scipy.integrate import solve_ivp
 from rainwind.dynamics.cycle_zoo.known import Cycle, KnownCycles, Parameters
 from rainwind.dynamics.system import System
 
-# mu: (period, amplitude, logarithm of the multiplier) of x'' - mu (1 - x^2) x' + x = 0, from Taylor series of order 26
-# in 28 digits (mpmath). The literature's periods agree: 6.6632868593 (mu = 1), 11.6122306677 (5), 19.0783695669 (10).
+# mu: (period, amplitude, logarithm of the multiplier) of x'' - mu (1 - x^2) x' + x = 0, from Taylor series of order
+# 26 in 28 digits (mpmath). The literature's periods agree: 6.6632868593 (mu = 1), 11.6122306677 (5),
+# 19.0783695669 (10).
 TABLE = {
     0.1: (6.287111272288726806054, 2.000103979872795923818, -0.6291039210260195955762),
     1.0: (6.6632868593231301897, 2.00861986087484313651, -7.058932808798959179022),
@@ -23,8 +24,8 @@ TABLE = {
 def van_der_pol(born: bool = True) -> KnownCycles:
     """x' = y, y' = mu (1 - x^2) y - x; with `born`, y' = (mu - x^2) y - x, its cycle sqrt(mu) times as large.
 
-    The cycle is born at mu = 0, only in the second form from a Hopf point that is not degenerate. Cycles are known at the
-    table's values of mu.
+    The cycle is born at mu = 0, only in the second form from a Hopf point that is not degenerate. Cycles are known at
+    the table's values of mu.
     """
 
     def rhs(x: Any, p: Any) -> Any:
