@@ -13,16 +13,20 @@ from rainwind.errors import InputError
 class Mesh:
     """How finely an orbit is computed: intervals, each with a polynomial of some degree (Gauss points).
 
-    The error at mesh points falls like intervals^(-2 degree), between them like intervals^-(degree + 1).
+    The error at mesh points falls like intervals^(-2 degree), between them like intervals^-(degree + 1). Where the
+    estimated error is too large, intervals are added up to `most` (by default sixteen times as many).
     """
 
     intervals: int = 40
     degree: int = 4
+    most: int = 0
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "most", self.most or 16 * self.intervals)
         for name, value, low, high in (
-            ("intervals", self.intervals, 2, 100_000),
+            ("intervals", self.intervals, 4, 100_000),
             ("degree", self.degree, 2, 12),
+            ("most", self.most, self.intervals, 1_600_000),
         ):
             if isinstance(value, bool) or not isinstance(value, int | np.integer) or not low <= value <= high:
                 raise InputError(f"Mesh: {name} must be a whole number from {low} to {high}; got {value!r}")

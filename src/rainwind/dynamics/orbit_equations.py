@@ -1,28 +1,37 @@
 """Periodic orbits as a curve H(u) = 0: collocation, periodicity, and an integral phase condition."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from rainwind.dynamics.collocation import Grid
+from rainwind.dynamics.collocation import Grid, Mesh
+from rainwind.dynamics.floquet import deflated, trivial_exponent
 from rainwind.dynamics.kernels import chain as ends
 from rainwind.dynamics.kernels import collocation as kernel
+from rainwind.dynamics.kernels.periodic_schur import log_multipliers
 from rainwind.dynamics.kernels.values import specialised, values
 from rainwind.dynamics.nodes import Node
+from rainwind.dynamics.orbit_results import Orbit
 from rainwind.dynamics.system import System
 
 NEWTON_LIMIT = 8
+_STEPS_ON_A_GRID = 3
+# of the estimated error, in units of max(1, |state|): more intervals above, fewer below, not accepted above
+_COARSE, _FINE, USELESS = 1e-5, 1e-10, 1e-2
 
 
 @dataclass(frozen=True, slots=True)
 class OrbitNode(Node):
     """A periodic orbit on a walk: u holds the profile at all nodes of the grid, the period and the free parameters.
 
-    eigenvalues (n - 1,): log mu of all multipliers but the trivial one; trivial: log of that one as computed.
+    eigenvalues (n - 1,): log mu of all multipliers but the trivial one; trivial: log of that one as computed;
+    liouville: sum of all log|mu| less the integral of trace J; age: steps since the grid was last adapted.
     """
 
     grid: Grid = None  # type: ignore[assignment]  # always given
     trivial: complex = 0j
+    liouville: float = 0.0
+    age: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,9 +60,10 @@ class OrbitEquations:
     units: np.ndarray
     period_unit: float
     parameter_units: np.ndarray
+    mesh: Mesh = field(default_factory=Mesh)
     tolerance: float = 1e-9
     scale: np.ndarray = field(init=False, repr=False)
-    _tape: tuple = field(init=False, repr=False)
+    tape: tuple = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         system = self.system
@@ -66,7 +76,7 @@ class OrbitEquations:
         tape = (*specialised(operations, template, inputs, varies), outputs)
         profile = (self.units / np.sqrt(self.grid.quadrature)[:, None]).ravel()
         object.__setattr__(self, "scale", np.concatenate([profile, [self.period_unit], self.parameter_units]))
-        object.__setattr__(self, "_tape", (tape, inputs, free))
+        object.__setattr__(self, "tape", (tape, inputs, free))
 
     # -- the parts of u ---------------------------------------------------------------------------------------------
 
@@ -89,13 +99,74 @@ class OrbitEquations:
         size = self.profile_size
         return u[:size].reshape(-1, self.n), float(u[size]), u[size + 1 : size + 1 + len(self.along)]
 
+    def named(self, u: np.ndarray) -> dict[str, float]:
+        """The free parameters in u, by name."""
+        return dict(zip(self.along, self.parts(u)[2].tolist(), strict=True))
+
+    def window(self, bounds: list[tuple[float, float]]) -> dict[int, tuple[float, float]]:
+        """The bounds of the free parameters, by number counted from the end of u, whatever the grid."""
+        return {k - len(bounds): bound for k, bound in enumerate(bounds)}
+
+    def tangent_parameters(self, node: Node) -> np.ndarray:
+        """Derivatives of the free parameters by arclength (q,)."""
+        return self.parts(node.tangent * self.scale)[2]
+
+    def orbit(self, node: OrbitNode) -> Orbit:
+        """A node as a result."""
+        x, period, _ = self.parts(node.u)
+        return Orbit(
+            states=self.system.states,
+            parameters={**self.system.parameters, **self.named(node.u)},
+            period=period,
+            grid=self.grid,
+            profile=x.copy(),
+            exponents=node.eigenvalues,
+            trivial=node.trivial,
+            liouville=node.liouville,
+            mesh_error=self.mesh_error(x),
+            residual=float(np.max(np.abs(self.defects(node.u)))),
+        )
+
+    # -- the grid -----------------------------------------------------------------------------------------------------
+
+    def mesh_error(self, x: np.ndarray) -> float:
+        """The estimated error of a profile, in units of max(1, |state|)."""
+        return self.grid.error(x, np.maximum(1.0, np.abs(x).max(axis=0)))
+
+    def on(self, grid: Grid) -> "OrbitEquations":
+        """The same problem on another grid."""
+        return self if grid is self.grid else replace(self, grid=grid)
+
+    def moved(self, vector: np.ndarray, grid: Grid) -> np.ndarray:
+        """Unknowns of this grid (or a change of them) as unknowns on another grid."""
+        profile = self.grid.at(self.profile(vector), grid.nodes)
+        return np.concatenate([profile.ravel(), vector[self.profile_size :]])
+
+    def adapted(self, node: OrbitNode, bend: np.ndarray) -> tuple["OrbitEquations", OrbitNode, np.ndarray]:
+        """Every few steps the orbit on a grid that spreads its error evenly, with more intervals where it must."""
+        if node.age < _STEPS_ON_A_GRID:
+            return self, node, bend
+        x, many = self.profile(node.u), len(self.grid.lengths)
+        error = self.mesh_error(x)
+        if error > _COARSE and many < self.mesh.most:
+            many = min(int(1.5 * many), self.mesh.most)
+        elif error < _FINE and many > self.mesh.intervals:
+            many = max(int(many / 1.5), self.mesh.intervals)
+        grid = self.grid.adapted(x, np.maximum(1.0, np.abs(x).max(axis=0)), many)
+        other = self.on(grid)
+        u = self.moved(node.u, grid)
+        tangent = self.moved(node.tangent * self.scale, grid) / other.scale
+        bend = self.moved(bend * self.scale, grid) / other.scale
+        tangent /= np.linalg.norm(tangent)
+        return other, replace(node, u=u, tangent=tangent, grid=grid, age=0), bend
+
     # -- the equations ----------------------------------------------------------------------------------------------
 
     def linearise(self, u: np.ndarray) -> Linearised:
         """Everything about the collocation equations at u."""
         x, period, p = self.parts(u)
         basis = self.grid.basis
-        f, by = kernel.linearised(*self._tape, basis.values, x, p)
+        f, by = kernel.linearised(*self.tape, basis.values, x, p)
         steps, factors, orders, sign = kernel.condense(
             basis.values, basis.slopes, self.grid.lengths, x, period, f, by
         )
@@ -105,7 +176,7 @@ class OrbitEquations:
         """The collocation equations (N, m n) at u."""
         x, period, p = self.parts(u)
         basis = self.grid.basis
-        return kernel.defects(*self._tape, basis.values, basis.slopes, self.grid.lengths, x, period, p)
+        return kernel.defects(*self.tape, basis.values, basis.slopes, self.grid.lengths, x, period, p)
 
     def phase_row(self, x: np.ndarray, direction: np.ndarray) -> np.ndarray:
         """The row of the phase condition: the integral of slope(x) times a disturbance, states in their units.
@@ -144,9 +215,12 @@ class OrbitEquations:
             if converged:
                 turned = np.concatenate([x[:, :, 1].ravel(), lam[:, 1]]) / self.scale
                 turned /= np.linalg.norm(turned)
-                exponents, trivial = self.exponents(u, at)
                 tests = np.array([turned[size + 1], sign * at.sign])
-                return OrbitNode(u, turned, 0.0, iteration, tests, exponents, None, self.grid, trivial)
+                age = near.age + 1 if isinstance(near, OrbitNode) and near.grid is self.grid else 1
+                exponents, trivial, liouville = self.floquet(u, at)
+                return OrbitNode(
+                    u, turned, 0.0, iteration, tests, exponents, None, self.grid, trivial, liouville, age
+                )
             converged = length < self.tolerance
         return None
 
@@ -158,11 +232,15 @@ class OrbitEquations:
         rest = np.max(np.abs(step[size:]) / (units + np.abs(u[size:]))) if step.size > size else 0.0
         return float(max(profile, rest))
 
-    def exponents(self, u: np.ndarray, at: Linearised) -> tuple[np.ndarray, complex]:
-        """log mu of the nontrivial multipliers (n - 1,), and of the trivial one."""
-        from rainwind.dynamics.floquet import log_multipliers_of
-
-        return log_multipliers_of(self.transitions(at), self.flow(u))
+    def floquet(self, u: np.ndarray, at: Linearised) -> tuple[np.ndarray, complex, float]:
+        """log mu of the nontrivial multipliers (n - 1,), that of the trivial one, and the Liouville error."""
+        transitions = self.transitions(at)
+        exponents = log_multipliers(deflated(transitions, self.flow(u)))
+        trivial = trivial_exponent(log_multipliers(transitions))
+        _, period, _ = self.parts(u)
+        traces = np.trace(at.by[:, :, : self.n], axis1=1, axis2=2).reshape(-1, self.grid.degree)
+        integral = period * float(self.grid.lengths @ traces @ self.grid.basis.weights)
+        return exponents, trivial, float(exponents.real.sum() + trivial.real - integral)
 
     def transitions(self, at: Linearised) -> np.ndarray:
         """G_j (N, n, n)."""
@@ -172,7 +250,7 @@ class OrbitEquations:
     def flow(self, u: np.ndarray) -> np.ndarray:
         """f at the mesh points (N + 1, n)."""
         x, _, p = self.parts(u)
-        tape, inputs, free = self._tape
+        tape, inputs, free = self.tape
         points = x[:: self.grid.degree]
         at = np.tile(inputs, (len(points), 1))
         at[:, : self.n] = points

@@ -1,0 +1,44 @@
+"""Second derivatives of the collocation equations along a null vector, against multipliers, at all Gauss points."""
+
+import numpy as np
+
+from rainwind.dynamics.kernels.compiling import compiled
+from rainwind.dynamics.kernels.tangents import second_orders
+
+
+@compiled
+def contracted(tape, points, free, phi, phi_p, phi_t, psi, period):
+    """psi_a' d(T J phi_b + f phi_T + T f_p phi_p) at all Gauss points: by states, and summed by period and parameters.
+
+    points (P, i): inputs of the tape; phi (b, P, n); phi_p (q,), phi_t: they go with every b; psi (a, P, n). Returns
+    by_state (a, b, P, n), by_period (a, b), by_parameter (a, b, q).
+    """
+    operations, template, outputs = tape
+    many, n, q = points.shape[0], outputs.size, free.size
+    directions = np.empty(n + q, dtype=np.int64)
+    for k in range(n):
+        directions[k] = k
+    for k in range(q):
+        directions[n + k] = free[k]
+    by_state = np.zeros((psi.shape[0], phi.shape[0], many, n))
+    by_period = np.zeros((psi.shape[0], phi.shape[0]))
+    by_parameter = np.zeros((psi.shape[0], phi.shape[0], q))
+    vectors = np.zeros((phi.shape[0], points.shape[1]))
+    for point in range(many):
+        for b in range(phi.shape[0]):
+            for k in range(n):
+                vectors[b, k] = phi[b, point, k]
+            for k in range(q):
+                vectors[b, free[k]] = phi_p[k]
+        _, d, mixed = second_orders(operations, template, outputs, points[point], directions, vectors)
+        for b in range(phi.shape[0]):
+            for a in range(psi.shape[0]):
+                for i in range(n):
+                    weight = psi[a, point, i]
+                    for k in range(n):
+                        by_state[a, b, point, k] += weight * (period * mixed[b, i, k] + phi_t * d[i, k])
+                        by_period[a, b] += weight * d[i, k] * phi[b, point, k]
+                    for k in range(q):
+                        by_parameter[a, b, k] += weight * (period * mixed[b, i, n + k] + phi_t * d[i, n + k])
+                        by_period[a, b] += weight * d[i, n + k] * phi_p[k]
+    return by_state, by_period, by_parameter

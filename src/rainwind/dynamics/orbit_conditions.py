@@ -1,0 +1,188 @@
+"""Scalars that vanish at bifurcations of periodic orbits, with their derivatives: minimally augmented systems.
+
+The linearised collocation equations L phi - f phi_T - T f_p phi_p = 0 with phi(1) - z phi(0) + w g = 0 and one row
+v'(phi(0), phi_T, phi_p) = 1 define g; it vanishes where the operator without borders is singular (Doedel, Govaerts &
+Kuznetsov, SIAM J. Numer. Anal. 41 (2003) 401). z = 1 with phi_T at a fold of cycles (lpc), with phi_T and phi_p at a
+branch point (bp), where there are two rows v and two scalars; z = -1 at a period doubling (pd); z = exp(i theta) at a
+Neimark-Sacker point (ns), where g is complex. With psi from the transposed system dg = -psi' d(operator) phi.
+
+The chain of intervals is reduced to its ends first, so that everything here is a dense system of 2 n + a few unknowns
+(x_0, x_N, phi_T, phi_p, g), and multipliers of any size do no harm.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rainwind.dynamics.kernels import chain
+from rainwind.dynamics.kernels import collocation as kernel
+from rainwind.dynamics.kernels.conditions import contracted
+from rainwind.dynamics.orbit_equations import Linearised, OrbitEquations
+
+Complex = NDArray[np.complex128]
+
+EXTRA = {"lpc": 1, "pd": 0, "ns": 0, "bp": 2}  # phi_T, phi_p among the unknowns
+SCALARS = {"lpc": 1, "pd": 1, "ns": 2, "bp": 2}  # real conditions
+
+
+@dataclass(frozen=True, eq=False)
+class OrbitBorders:
+    """w (n,); v (rows, n + extra); point (n,): phi(0) across it, so that no shift along the orbit counts."""
+
+    left: np.ndarray
+    below: np.ndarray
+    point: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Condition:
+    """The scalars g (rows,) of one kind at an orbit, with the null vectors of the bordered system.
+
+    first, last (n, rows): phi at both ends; rest (extra, rows): phi_T, phi_p; nu (n,), zeta (n,): multipliers of the
+    boundary rows and of the reduced chain.
+    """
+
+    kind: str
+    g: np.ndarray
+    z: complex
+    first: np.ndarray
+    last: np.ndarray
+    rest: np.ndarray
+    nu: np.ndarray
+    zeta: np.ndarray
+    reduced: tuple[np.ndarray, np.ndarray, np.ndarray]  # ends, tops, reflections
+
+    @property
+    def values(self) -> np.ndarray:
+        """The scalars as real numbers (conditions,)."""
+        return np.array([self.g[0].real, self.g[0].imag]) if self.kind == "ns" else self.g.real
+
+
+def multiplier_of(kind: str, angle: float) -> complex:
+    """z of a kind."""
+    return {"lpc": 1.0, "bp": 1.0, "pd": -1.0}.get(kind, complex(np.cos(angle), np.sin(angle)))
+
+
+def condition(
+    problem: OrbitEquations, u: np.ndarray, at: Linearised, kind: str, borders: OrbitBorders, angle: float = 0.0
+) -> Condition:
+    """The scalars of one kind at u, where `at` is the linearisation there."""
+    n, extra = problem.n, EXTRA[kind]
+    ends, tops, reflections, _ = chain.reduce_chain(at.steps, n)
+    z = multiplier_of(kind, angle)
+    rows = borders.below.shape[0]
+    point = 1 if extra else 0
+    size = 2 * n + extra + 1
+    a = np.zeros((size, size), dtype=complex if kind == "ns" else float)
+    a[:n, : 2 * n] = ends[:, : 2 * n]
+    a[:n, 2 * n : 2 * n + extra] = -ends[:, 2 * n : 2 * n + extra]
+    a[n : 2 * n, :n] = -z * np.eye(n)
+    a[n : 2 * n, n : 2 * n] = np.eye(n)
+    a[n : 2 * n, -1] = borders.left
+    if point:
+        a[2 * n, :n] = borders.point
+    a[2 * n + point :, :n] = borders.below[:, :n]
+    a[2 * n + point :, 2 * n : 2 * n + extra] = borders.below[:, n:]
+    right = np.zeros((size, rows))
+    right[size - rows :] = np.eye(rows)
+    solution = np.linalg.solve(a, right)
+    last = np.zeros(size)
+    last[-1] = 1.0
+    adjoint = np.linalg.solve(a.T, last)
+    return Condition(
+        kind, solution[-1], z, solution[:n], solution[n : 2 * n], solution[2 * n : 2 * n + extra],
+        adjoint[n : 2 * n], adjoint[:n], (ends, tops, reflections),
+    )  # fmt: skip
+
+
+def refreshed(found: Condition, at: Linearised) -> OrbitBorders:
+    """Borders turned to the null vectors, so that the bordered system stays well conditioned."""
+    phi = np.vstack([found.first, found.rest]).T  # (rows, n + extra)
+    if found.kind == "bp":
+        q, _ = np.linalg.qr(phi.T)
+        below = q.T
+    else:
+        below = np.conj(phi) / np.linalg.norm(phi)
+    flow = at.f[0] / np.linalg.norm(at.f[0])
+    return OrbitBorders(np.conj(found.nu) / np.linalg.norm(found.nu), below, flow)
+
+
+def start_borders(
+    problem: OrbitEquations, u: np.ndarray, at: Linearised, kind: str, angle: float = 0.0
+) -> OrbitBorders:
+    """Borders from scratch: random ones, turned to the null vectors a few times."""
+    n, extra = problem.n, EXTRA[kind]
+    random = np.random.default_rng(0)
+    rows = 2 if kind == "bp" else 1
+    borders = OrbitBorders(
+        random.normal(size=n) / n, random.normal(size=(rows, n + extra)) / n, at.f[0] / np.linalg.norm(at.f[0])
+    )
+    for _ in range(4):
+        borders = refreshed(condition(problem, u, at, kind, borders, angle), at)
+    return borders
+
+
+def null_profile(at: Linearised, found: Condition, column: int = 0) -> np.ndarray:
+    """phi at all nodes (N m + 1, n), complex at a Neimark-Sacker point."""
+    c = at.steps.shape[2] - found.first.shape[0] - 1
+    _, tops, _ = found.reduced
+    first, last, rest = (values[:, column : column + 1] for values in (found.first, found.last, found.rest))
+    parts = [np.hstack([v.real, v.imag]) if np.iscomplexobj(v) else v for v in (first, last)]
+    k = parts[0].shape[1]
+    lam = np.zeros((c, k))
+    lam[: rest.shape[0], : 1] = rest.real
+    none = np.zeros((tops.shape[0], first.shape[0], k))
+    mesh = chain.mesh_points(tops, none, np.ascontiguousarray(parts[0]), np.ascontiguousarray(parts[1]), lam)
+    x = chain.all_nodes(at.steps, mesh, lam, np.zeros(k))
+    return x[:, :, 0] + 1j * x[:, :, 1] if k == 2 else x[:, :, 0]
+
+
+def slopes(problem: OrbitEquations, u: np.ndarray, at: Linearised, found: Condition) -> np.ndarray:
+    """Derivatives of the real scalars by (profile, period, free parameters): (conditions, len)."""
+    n, size = problem.n, problem.profile_size
+    x, period, p = problem.parts(u)
+    _, _, reflections = found.reduced
+    zeta = found.zeta
+    pairs = np.column_stack([zeta.real, zeta.imag]) if np.iscomplexobj(zeta) else zeta[:, None]
+    mu = chain.multipliers_of_rows(reflections, np.ascontiguousarray(pairs))
+    right = np.zeros((*at.steps.shape[:2], mu.shape[2]))
+    right[:, -n:] = mu
+    psi = kernel.solve_inside_transposed(at.factors, at.orders, right)  # (N, m n, 1 or 2)
+    tape, inputs, free = problem.tape
+    basis = problem.grid.basis
+    points = kernel.gauss_inputs(inputs, free, basis.values, x, p)
+    found_slopes = []
+    for column in range(found.g.size):
+        phi = problem.grid.at_points(null_profile(at, found, column)).reshape(-1, n)
+        phi_t = float(found.rest[0, column].real) if len(found.rest) else 0.0
+        phi_p = np.zeros(len(free))
+        if len(found.rest) > 1:
+            phi_p[0] = found.rest[1, column].real
+        phis = np.stack([phi.real, phi.imag]) if np.iscomplexobj(phi) else phi[None]
+        psis = np.ascontiguousarray(np.moveaxis(psi, 2, 0)).reshape(psi.shape[2], -1, n)
+        # sums psi_a' (d operator) phi_b over all Gauss points, for all a and b
+        by_state, by_period, by_parameter = contracted(
+            tape, points, free, np.ascontiguousarray(phis), phi_p, phi_t, psis, period
+        )
+        if found.kind == "ns":
+            pairs_of = [((0, 0, 1.0), (1, 1, -1.0)), ((0, 1, 1.0), (1, 0, 1.0))]
+        else:
+            pairs_of = [((0, 0, 1.0),)]
+        for terms in pairs_of:
+            row = np.zeros(size + 1 + len(free))
+            at_points = sum(sign * by_state[a, b] for a, b, sign in terms)
+            nodal = np.einsum("ik,jin->jkn", basis.values, np.reshape(at_points, (-1, problem.grid.degree, n)))
+            profile = row[:size].reshape(-1, n)
+            profile[:-1] = nodal[:, :-1].reshape(-1, n)
+            profile[problem.grid.degree :: problem.grid.degree] += nodal[:, -1]
+            row[size] = sum(sign * by_period[a, b] for a, b, sign in terms)
+            row[size + 1 :] = sum(sign * by_parameter[a, b] for a, b, sign in terms)
+            found_slopes.append(row)
+    return np.array(found_slopes)
+
+
+def slope_by_angle(found: Condition) -> np.ndarray:
+    """Derivatives of Re g and Im g by the angle of a Neimark-Sacker point (2,)."""
+    slope = 1j * found.z * (found.nu @ found.first[:, 0])
+    return np.array([slope.real, slope.imag])

@@ -1,0 +1,386 @@
+"""Periodic orbits: follow them in one parameter, from a Hopf point, an orbit or a labelled orbit."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from rainwind.dynamics.bifurcations import solve_hopf
+from rainwind.dynamics.bifurcations import describe as describe_equilibrium
+from rainwind.dynamics.branches import check_states, check_steps, window_of
+from rainwind.dynamics.collocation import Grid, Mesh
+from rainwind.dynamics.continuation import Walk
+from rainwind.dynamics.equations import smallest_step
+from rainwind.dynamics.newton import state_scale
+from rainwind.dynamics.orbit_bifurcations import labels
+from rainwind.dynamics.orbit_equations import USELESS, OrbitEquations, OrbitNode
+from rainwind.dynamics.orbit_results import Orbit, OrbitBranch, OrbitPoint
+from rainwind.dynamics.results import Ended, SpecialPoint, Unexplained
+from rainwind.dynamics.system import System, as_system, number
+from rainwind.errors import ComputationError, InputError
+from rainwind.parameters import unknown_name
+
+Progress = Callable[[Orbit, int], None]
+
+
+def continue_orbits(
+    model: Any,
+    along: str,
+    *,
+    start: Any,
+    until: tuple[float, float],
+    ds: float = 0.05,
+    mesh: Mesh | None = None,
+    longest: float = 1000.0,
+    limit: int = 5000,
+    progress: Progress | None = None,
+) -> OrbitBranch:
+    """The branch of periodic orbits through `start` in one parameter, within the window `until`.
+
+    start: a Hopf point of a branch of equilibria; an Orbit (as `find_orbit` gives); or a labelled orbit: pd leads to
+    the orbits of twice the period, bp onto the other branch, lpc and ns onto the branch that they lie on.
+    ds: first and largest step of arclength: the root mean square of the states over a period, with the period in units
+    of itself and the window as 20. mesh: intervals and degree of the collocation. longest: the walk ends where the
+    period has grown by this factor. limit: points a direction. progress(orbit, count) is called after every orbit.
+    Raises InputError for bad input and ComputationError when not even the start could be computed.
+    """
+    check_steps(ds, limit)
+    if number(longest, "longest") <= 1.0:
+        raise InputError(f"longest = {longest!r}: the factor by which the period may grow must be above 1")
+    problem, node, beginning = _start(as_system(model), along, start, until, ds, mesh)
+    window = problem.window([window_of(problem.system, along, until)])
+    stop = _Stop(problem, beginning, longest * node_period(problem, node), limit, progress)
+    ahead = _half(problem, node, window, ds, stop, beginning)
+    halves = [ahead]
+    if beginning.kind not in ("hopf", "pd") and ahead.ended not in (Ended.CLOSED, Ended.INTERRUPTED):
+        turned = problem.correct(node, node.u, -node.tangent)
+        if turned is not None:
+            halves.insert(0, _half(problem, replace(turned, arclength=0.0), window, ds, stop, beginning))
+    return _joined(problem, halves, beginning)
+
+
+@dataclass(frozen=True)
+class _Beginning:
+    """Where a walk began: the kind of its start, and the labelled point it left, if any."""
+
+    kind: str  # hopf, orbit, pd, bp
+    point: SpecialPoint | None = None
+
+
+@dataclass(frozen=True)
+class _Stop:
+    """When a walk along orbits has gone far enough."""
+
+    problem: OrbitEquations
+    beginning: _Beginning
+    longest: float
+    limit: int
+    progress: Progress | None
+
+
+class _Half:
+    """One direction of a branch, its arclength counted from the start."""
+
+    def __init__(
+        self, nodes: list[OrbitNode], orbits: list[Orbit], ended: Ended, points: list[Any], gaps: list[Unexplained]
+    ) -> None:
+        self.nodes, self.orbits, self.ended, self.points, self.gaps = nodes, orbits, ended, points, gaps
+
+
+def node_period(problem: OrbitEquations, node: OrbitNode) -> float:
+    """The period at a node."""
+    return problem.parts(node.u)[1]
+
+
+def _half(
+    problem: OrbitEquations,
+    start: OrbitNode,
+    window: dict[int, tuple[float, float]],
+    ds: float,
+    stop: _Stop,
+    beginning: _Beginning,
+) -> _Half:
+    walk = Walk(problem, start, ds=ds, window=window)
+    degenerate = beginning.kind in ("hopf", "pd")  # the start itself is no orbit of this branch
+    nodes, orbits = ([], []) if degenerate else ([start], [problem.orbit(start)])
+    before, points, ended = start, [], None
+    try:
+        for node in walk:
+            here = problem.on(node.grid)
+            ended = _passed(problem, before, node, start, len(nodes), beginning)
+            if ended is not None:
+                if ended is Ended.AT_HOPF:
+                    points = _hopf_at_end(problem, before, node)
+                elif ended is Ended.CLOSED:
+                    nodes.append(replace(start, arclength=node.arclength))
+                    orbits.append(orbits[0])
+                break
+            orbit = here.orbit(node)
+            refusal = problem.system.refusal
+            if refusal is not None and any(
+                refusal(x, orbit.parameters) is not None for x in orbit.profile[:: here.grid.degree]
+            ):
+                ended = Ended.REFUSED
+                break
+            if orbit.mesh_error > USELESS and len(here.grid.lengths) >= problem.mesh.most:
+                ended = Ended.MESH_AT_LIMIT
+                break
+            nodes.append(node)
+            orbits.append(orbit)
+            if stop.progress is not None:
+                stop.progress(orbit, len(orbits))
+            if orbit.period > stop.longest:
+                ended = Ended.HOMOCLINIC
+            elif len(nodes) >= stop.limit:
+                ended = Ended.TOO_MANY_POINTS
+            if ended is not None:
+                break
+            before = node
+    except KeyboardInterrupt:
+        ended = Ended.INTERRUPTED
+    except SystemError as error:
+        # so numba reports a Ctrl-C that came while a kernel ran
+        if not isinstance(error.__cause__, KeyboardInterrupt):
+            raise
+        ended = Ended.INTERRUPTED
+    found, gaps = labels(problem, nodes)
+    return _Half(nodes, orbits, ended or walk.ended, [*found, *points], gaps)  # type: ignore[arg-type]
+
+
+def _passed(
+    problem: OrbitEquations,
+    a: OrbitNode,
+    b: OrbitNode,
+    start: OrbitNode,
+    count: int,
+    beginning: _Beginning,
+) -> Ended | None:
+    """What the step from a to b went through that ends the walk: a Hopf point, the mother branch, the start."""
+    first, last = _on(problem, a, b), problem.on(b.grid)
+    before, after = last.profile(first.u), last.profile(b.u)
+    weight = last.grid.quadrature
+    swings = [x - weight @ x for x in (before, after)]
+    # past a Hopf point the orbit comes out on the other side of the equilibrium
+    if count and _product(last, *swings) < 0:
+        return Ended.AT_HOPF
+    if beginning.kind == "pd" and count:
+        halves = [_half_period_difference(last, x) for x in (before, after)]
+        if _product(last, *halves) < 0:
+            return Ended.REVISITED
+    if beginning.kind != "orbit" or count < 3:
+        return None
+    return Ended.CLOSED if _through_start(problem, a, b, start) else None
+
+
+def _on(problem: OrbitEquations, node: OrbitNode, other: OrbitNode) -> OrbitNode:
+    """A node with its unknowns interpolated on the grid of another."""
+    if node.grid is other.grid:
+        return node
+    return replace(node, u=problem.on(node.grid).moved(node.u, other.grid), grid=other.grid)
+
+
+def _product(problem: OrbitEquations, x: np.ndarray, y: np.ndarray) -> float:
+    """The mean product of two profiles over the period, states in their units."""
+    return float(problem.grid.quadrature @ np.sum(x * y / problem.units**2, axis=1))
+
+
+def _half_period_difference(problem: OrbitEquations, x: np.ndarray) -> np.ndarray:
+    """x(t + T/2) - x(t): zero where the orbit has half the period."""
+    grid = problem.grid
+    return grid.at(x, np.mod(grid.nodes + 0.5, 1.0)) - x
+
+
+def _through_start(problem: OrbitEquations, a: OrbitNode, b: OrbitNode, start: OrbitNode) -> bool:
+    """Whether the walk passes its start between a and b: by quantities that no shift along the orbit changes."""
+    va, vb, v0 = (_invariants(problem.on(node.grid), node) for node in (a, b, start))
+    step = vb - va
+    length = float(np.linalg.norm(step))
+    fraction = float((v0 - va) @ step) / length**2 if length else 0.0
+    if not 0.0 <= fraction < 1.0:
+        return False
+    offset = float(np.linalg.norm(va + fraction * step - v0))
+    return offset < 0.1 * length and offset < 1e-2 and float(start.tangent[-1] * b.tangent[-1]) >= 0.0
+
+
+def _invariants(problem: OrbitEquations, node: OrbitNode) -> np.ndarray:
+    """Parameter, period, means and mean squares, in their units."""
+    x, period, p = problem.parts(node.u)
+    weight = problem.grid.quadrature
+    mean = weight @ x
+    return np.concatenate(
+        [p / problem.parameter_units, [period / problem.period_unit], mean / problem.units,
+         np.sqrt(weight @ (x - mean) ** 2) / problem.units]
+    )  # fmt: skip
+
+
+def _hopf_at_end(problem: OrbitEquations, a: OrbitNode, b: OrbitNode) -> list[SpecialPoint]:
+    """The Hopf point between two orbits on both sides of it, where Newton finds it nearby."""
+    (xa, period, pa), (xb, _, pb) = problem.on(a.grid).parts(a.u), problem.on(b.grid).parts(b.u)
+    means = [problem.on(node.grid).grid.quadrature @ x for node, x in ((a, xa), (b, xb))]
+    guess = np.append(0.5 * (means[0] + means[1]), 0.5 * (pa[0] + pb[0]))
+    scale = np.append(state_scale(guess[:-1]), problem.parameter_units[0])
+    found = solve_hopf(problem.system, problem.along, guess, 2.0 * np.pi / period, scale)
+    if found is None or np.max(np.abs((found[0][:-1] - guess) / scale)) > 0.1:
+        return []
+    u, residual = found
+    parameters = {**problem.system.parameters, problem.along[0]: float(u[problem.n])}
+    arclength = 0.5 * (a.arclength + b.arclength)
+    point = describe_equilibrium(
+        problem.system, "hopf", u[: problem.n], parameters, problem.along, arclength, residual, u[-1:]
+    )
+    return [point]
+
+
+def _joined(problem: OrbitEquations, halves: list[_Half], beginning: _Beginning) -> OrbitBranch:
+    """Both halves in one direction, the arclength counted from the first point."""
+    forward = halves[-1]
+    nodes, orbits = list(forward.nodes), list(forward.orbits)
+    lengths = [node.arclength for node in nodes]
+    rates = [problem.on(node.grid).tangent_parameters(node) for node in nodes]
+    points, gaps = list(forward.points), list(forward.gaps)
+    if len(halves) == 2:
+        back = halves[0]
+        orbits = back.orbits[:0:-1] + orbits
+        lengths = [-node.arclength for node in back.nodes[:0:-1]] + lengths
+        rates = [-problem.on(node.grid).tangent_parameters(node) for node in back.nodes[:0:-1]] + rates
+        points = [replace(p, arclength=-p.arclength) for p in back.points[::-1]] + points
+        gaps = [
+            replace(g, between=(-g.between[1], -g.between[0]), parameters=g.parameters[::-1], change=-g.change)
+            for g in back.gaps[::-1]
+        ] + gaps
+    if beginning.kind == "hopf" and beginning.point is not None:
+        points.insert(0, replace(beginning.point, arclength=0.0, along=problem.along))
+    shift = lengths[0] if lengths and beginning.kind != "hopf" else 0.0
+    return OrbitBranch(
+        kind="orbits",
+        states=problem.system.states,
+        along=problem.along,
+        parameters=dict(problem.system.parameters),
+        orbits=tuple(orbits),
+        arclength=np.array(lengths) - shift,
+        tangent_parameter=np.array(rates).reshape(len(orbits), len(problem.along)),
+        special=tuple(replace(p, arclength=p.arclength - shift) for p in points),
+        ended=(halves[0].ended if len(halves) == 2 else _BEGUN[beginning.kind], forward.ended),
+        unexplained=tuple(replace(g, between=(g.between[0] - shift, g.between[1] - shift)) for g in gaps),
+    )
+
+
+_BEGUN = {"hopf": Ended.AT_HOPF, "pd": Ended.REVISITED, "orbit": Ended.CLOSED, "bp": Ended.CLOSED}
+
+
+def _start(
+    system: System, along: str, start: Any, until: Sequence[float], ds: float, mesh: Mesh | None
+) -> tuple[OrbitEquations, OrbitNode, _Beginning]:
+    """The problem of a branch of orbits and its first node. Raises InputError and ComputationError."""
+    if not isinstance(along, str) or along not in system.parameters:
+        raise unknown_name(str(along), system.parameters, "parameter")
+    low, high = window_of(system, along, until)  # type: ignore[arg-type]
+    hopf = isinstance(start, SpecialPoint) and not isinstance(start, OrbitPoint)
+    if not isinstance(start, Orbit | OrbitPoint) and not (hopf and start.kind == "hopf"):
+        given = f"a {start.kind} point" if hopf else type(start).__name__
+        raise InputError(
+            f"orbits start from a Hopf point, an Orbit (see find_orbit) or a labelled orbit; got {given}"
+        )
+    check_states(system, start)
+    system = system.with_parameters({k: v for k, v in start.parameters.items() if k in system.parameters})
+    value = system.parameters[along]
+    if not low <= value <= high:
+        raise InputError(
+            f"start: {along} = {value:g} lies outside until = ({low:g}, {high:g}); move one of them"
+        )
+    unit = (high - low) / 20.0
+    if hopf:
+        return _from_hopf(system, along, start, unit, mesh or Mesh())
+    orbit = start.orbit if isinstance(start, OrbitPoint) else start
+    kind = start.kind if isinstance(start, OrbitPoint) and start.kind in ("pd", "bp") else "orbit"
+    grid, x, period = orbit.grid, orbit.profile, orbit.period
+    if kind == "pd":
+        grid = Grid(np.concatenate([0.5 * grid.times, 0.5 + 0.5 * grid.times[1:]]), grid.degree)
+        x, period = np.vstack([x, x[1:]]), 2.0 * period
+    if mesh is None:
+        mesh = Mesh(len(grid.lengths), grid.degree)
+    units = np.maximum(1.0, np.abs(x).max(axis=0))
+    if grid.degree != mesh.degree or (len(grid.lengths) != mesh.intervals and kind == "orbit"):
+        other = Grid(grid.adapted(x, units, mesh.intervals).times, mesh.degree)
+        x, grid = grid.at(x, other.nodes), other
+    problem = OrbitEquations(system, (along,), grid, units, period, np.array([unit]), mesh)
+    u = np.concatenate([x.ravel(), [period, value]])
+    point = start if isinstance(start, OrbitPoint) else None
+    if kind == "orbit":
+        node = first_node(problem, u)
+    else:
+        node = _beside(problem, u, _direction(problem, start, kind), ds)
+    if node is None:
+        raise ComputationError(f"the branch of orbits could not be started at {along} = {value:g}")
+    return problem, node, _Beginning(kind, point)
+
+
+def _from_hopf(
+    system: System, along: str, start: SpecialPoint, unit: float, mesh: Mesh
+) -> tuple[OrbitEquations, OrbitNode, _Beginning]:
+    """The Hopf point as an orbit without size; the branch leaves it along the critical eigenvector."""
+    scale = np.append(state_scale(start.state), unit)
+    value = system.parameters[along]
+    guess = np.append(start.state, value)
+    omega = start.omega[0] if isinstance(start.omega, tuple) else float(start.omega or 0.0)
+    found = solve_hopf(system, (along,), guess, omega, scale)
+    if found is None:
+        raise ComputationError(f"Newton did not find the Hopf point again at {along} = {value:g}")
+    state, value, omega = found[0][:-2], float(found[0][-2]), float(np.sqrt(found[0][-1]))
+    eigenvalues, vectors = np.linalg.eig(system.jacobian(state, {along: value}))
+    q = vectors[:, np.argmin(np.abs(eigenvalues - 1j * omega))]
+    grid = Grid.even(mesh)
+    period = 2.0 * np.pi / omega
+    problem = OrbitEquations(system, (along,), grid, state_scale(state), period, np.array([unit]), mesh)
+    swing = np.real(q * np.exp(2j * np.pi * grid.nodes)[:, None])
+    u = np.concatenate([np.tile(state, len(swing)), [period, value]])
+    tangent = np.append(swing.ravel(), [0.0, 0.0]) / problem.scale
+    node = OrbitNode(u, tangent / np.linalg.norm(tangent), grid=grid)
+    return problem, node, _Beginning("hopf", start)
+
+
+def first_node(problem: OrbitEquations, u: np.ndarray) -> OrbitNode | None:
+    """The orbit that Newton reaches from u at the same parameter, or at a fold at the same size."""
+    tangents = []
+    for k in (-1, problem.profile_size):
+        tangent = np.zeros_like(u)
+        tangent[k] = 1.0
+        tangents.append(tangent)
+    x = problem.profile(u)
+    swing = np.append((x - problem.grid.quadrature @ x).ravel(), np.zeros(u.size - x.size)) / problem.scale
+    tangents.insert(1, swing / np.linalg.norm(swing))
+    for tangent in tangents:
+        node = problem.correct(OrbitNode(u, tangent, grid=problem.grid), u, tangent)
+        if node is not None:
+            node = node if node.tangent[-1] >= 0 else problem.correct(node, node.u, -node.tangent)
+        if node is not None:
+            return replace(node, arclength=0.0)
+    return None
+
+
+def _direction(problem: OrbitEquations, start: OrbitPoint, kind: str) -> np.ndarray:
+    """The other branch's direction at a labelled orbit, in the unknowns of the problem."""
+    direction = start.direction
+    if direction is None:
+        raise InputError(f"this {start.kind} point does not know the direction of its other branch")
+    n = problem.n
+    profile = direction[: start.orbit.profile.size].reshape(-1, n)
+    rest = np.append(direction[profile.size], direction[profile.size + 1 :][:1])
+    if kind == "pd":  # the critical disturbance changes its sign after one period
+        profile = np.vstack([profile, -profile[1:]])
+    tangent = np.append(profile.ravel(), rest) / problem.scale
+    return tangent / np.linalg.norm(tangent)
+
+
+def _beside(problem: OrbitEquations, u: np.ndarray, tangent: np.ndarray, ds: float) -> OrbitNode | None:
+    """An orbit of the other branch beside a labelled one, in which itself Newton's matrix is singular."""
+    step = ds / 2
+    while step > smallest_step(ds):
+        predicted = u + step * tangent * problem.scale
+        node = problem.correct(OrbitNode(u, tangent, grid=problem.grid), predicted, tangent)
+        if node is not None and np.linalg.norm((node.u - predicted) / problem.scale) < step / 2:
+            node = node if node.tangent @ tangent >= 0 else replace(node, tangent=-node.tangent)
+            return replace(node, arclength=step)
+        step /= 2
+    return None
