@@ -4,7 +4,7 @@ Bojanczyk, Golub & Van Dooren (1992), The periodic Schur decomposition; Kressner
 implementation of the periodic QZ algorithm. The product is never formed. One pass of QR factorisations makes it
 H R_K ... R_1 with H orthogonal and R_j triangular; Givens rotations carried once around all factors bring H to
 Hessenberg form and then split it by Francis' double shifts, until what is left are 1x1 and 2x2 blocks. H stays
-orthogonal: an entry of it is dropped when it is below one unit of rounding, whatever the spans of the R_j.
+orthogonal: an entry of it is dropped when it is small against one, whatever the spans of the R_j.
 
 The computed multipliers are those of factors changed by a few n GROUPED eps of their norms. They are as accurate as
 the factors determine them: |change of log mu| <= sum over j of |change of A_j| / (|A_j x_j| |y_j x_j|) with x_j, y_j
@@ -20,7 +20,7 @@ from rainwind.dynamics.kernels.linear import product, solve_many, transposed_pro
 
 _EPS = 2.220446049250313e-16
 _LN2 = 0.6931471805599453
-_SWEEPS = 40  # for one deflation; five are usual
+_SWEEPS = 100  # for one deflation; three are usual, thirty for twelve in one Jordan block
 GROUPED = 1e2  # largest condition number of a product of neighbours to which one more factor is joined
 
 
@@ -282,7 +282,7 @@ def _pair(h, r, k):
     if square < 0.0:
         angle = math.atan2(np.sqrt(-square), sign * half)
         log = 0.5 * (log_a + log_d)
-        return complex(log, angle), complex(log, -angle)
+        return complex(log, angle), complex(log, -angle if angle < math.pi else angle)
     larger = abs(half) + np.sqrt(square)
     first = np.log(larger) + e * _LN2
     second = log_a + log_d - first if larger > 0.0 else first
@@ -320,6 +320,14 @@ def _sweep(h, r, low, high, exceptional):
     m10 = h[k + 2, k + 1] * u1
     m11 = h[k + 2, k + 1] * v1 + h[k + 2, k + 2] * v2
     s, t = m00 + m11, m00 * m11 - m01 * m10
+    half = 0.5 * (m00 - m11)
+    square = half * half + m01 * m10
+    if (
+        square >= 0.0
+    ):  # twice the root nearer to m11: two real shifts, each near another complex pair, would stall
+        z = half + math.copysign(np.sqrt(square), half)
+        root = m11 - m01 * m10 / z if z != 0.0 else m11
+        s, t = 2.0 * root, root * root
     a, b, d, top = _corner(r, low)
     ratio = math.ldexp(1.0, max(-400, min(400, e - top)))
     if exceptional:  # breaks cycles; its size is that of the product's first column or last row
@@ -356,8 +364,12 @@ def _split(h, r, found):
     high, sweeps = n - 1, 0
     while high >= 0:
         low = high
-        while low > 0 and abs(h[low, low - 1]) > _EPS:
+        # equal multipliers make entries no smaller than what a sweep's rounding puts there again
+        negligible = _EPS * (1 + sweeps * sweeps)
+        while low > 0 and abs(h[low, low - 1]) > negligible:
             low -= 1
+        if low > 0:
+            h[low, low - 1] = 0.0
         if low == high:
             log, sign = _entry(r, high)
             found[high] = complex(log, math.pi if sign * h[high, high] < 0.0 else 0.0)
