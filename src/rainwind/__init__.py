@@ -10,12 +10,17 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
+    from rainwind.dynamics.collocation import Mesh as Mesh
     from rainwind.dynamics.curves import continue_fold as continue_fold
     from rainwind.dynamics.curves import continue_hopf as continue_hopf
     from rainwind.dynamics.equilibria import continue_equilibria as continue_equilibria
     from rainwind.dynamics.equilibria import find_equilibria as find_equilibria
     from rainwind.dynamics.equilibria import find_equilibrium as find_equilibrium
     from rainwind.dynamics.equilibria import walk_equilibria as walk_equilibria
+    from rainwind.dynamics.orbit_results import Orbit as Orbit
+    from rainwind.dynamics.orbit_results import OrbitBranch as OrbitBranch
+    from rainwind.dynamics.orbit_results import OrbitPoint as OrbitPoint
+    from rainwind.dynamics.orbits import continue_orbits as continue_orbits
     from rainwind.dynamics.results import Branch as Branch
     from rainwind.dynamics.results import Ended as Ended
     from rainwind.dynamics.results import SpecialPoint as SpecialPoint
@@ -44,12 +49,17 @@ if TYPE_CHECKING:
     from rainwind.physics.wind import Wind as Wind
 
 _HOME = {
+    "Mesh": "dynamics.collocation",
     "continue_fold": "dynamics.curves",
     "continue_hopf": "dynamics.curves",
     "continue_equilibria": "dynamics.equilibria",
     "find_equilibria": "dynamics.equilibria",
     "find_equilibrium": "dynamics.equilibria",
     "walk_equilibria": "dynamics.equilibria",
+    "Orbit": "dynamics.orbit_results",
+    "OrbitBranch": "dynamics.orbit_results",
+    "OrbitPoint": "dynamics.orbit_results",
+    "continue_orbits": "dynamics.orbits",
     "Branch": "dynamics.results",
     "Ended": "dynamics.results",
     "SpecialPoint": "dynamics.results",

@@ -1,7 +1,7 @@
 """Piecewise polynomials on a mesh of [0, 1]: nodes, Gauss points, quadrature, and how to spread the mesh anew."""
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -37,7 +37,8 @@ class Basis:
     """Lagrange polynomials on m + 1 Chebyshev nodes of [0, 1], seen from the m Gauss points.
 
     nodes (m + 1,); points, weights (m,): Gauss quadrature; values, slopes (m, m + 1) of the polynomials at the points;
-    quadrature (m + 1,): weights of the nodes; barycentric (m + 1,); top (m + 1,): derivative of order m.
+    quadrature (m + 1,): weights of the nodes; barycentric (m + 1,); top (m + 1,): derivative of order m; error: the
+    largest integral of prod (t - t_i) / m! from the interval's start.
     """
 
     nodes: np.ndarray
@@ -48,6 +49,7 @@ class Basis:
     quadrature: np.ndarray
     barycentric: np.ndarray
     top: np.ndarray
+    error: float
 
     def at(self, t: np.ndarray) -> np.ndarray:
         """Values (len(t), m + 1) of the polynomials at t in [0, 1]."""
@@ -74,10 +76,13 @@ def basis(degree: int) -> Basis:
     values = x[:, None] ** powers @ coefficients
     slopes = 2.0 * (powers * x[:, None] ** np.maximum(powers - 1, 0)) @ coefficients
     integral = np.where(powers % 2 == 0, 1.0 / (powers + 1.0), 0.0)
-    top = coefficients[m] * 2.0**m * float(np.prod(np.arange(1, m + 1)))
+    factorial = float(np.prod(np.arange(1, m + 1)))
+    product = np.polynomial.Polynomial.fromroots(points).integ()
+    error = float(np.max(np.abs(product(np.linspace(0.0, 1.0, 101)) - product(0.0)))) / factorial
+    top = coefficients[m] * 2.0**m * factorial
     return Basis(
         nodes, points, weights / 2.0, np.ascontiguousarray(values), np.ascontiguousarray(slopes),
-        integral @ coefficients, barycentric, top,
+        integral @ coefficients, barycentric, top, error,
     )  # fmt: skip
 
 
@@ -93,7 +98,7 @@ class Grid:
         """Intervals of equal length."""
         return Grid(np.linspace(0.0, 1.0, mesh.intervals + 1), mesh.degree)
 
-    @property
+    @cached_property
     def lengths(self) -> np.ndarray:
         """h (N,)."""
         return np.diff(self.times)
@@ -103,13 +108,13 @@ class Grid:
         """The polynomials of one interval."""
         return basis(self.degree)
 
-    @property
+    @cached_property
     def nodes(self) -> np.ndarray:
         """The times (N m + 1,) of all nodes."""
         inner = self.times[:-1, None] + self.lengths[:, None] * self.basis.nodes[:-1]
         return np.append(inner.ravel(), self.times[-1])
 
-    @property
+    @cached_property
     def quadrature(self) -> np.ndarray:
         """Weights (N m + 1,) of the nodes: the integral of a profile over [0, 1]."""
         m = self.degree
@@ -120,8 +125,12 @@ class Grid:
 
     def pieces(self, x: np.ndarray) -> np.ndarray:
         """A profile (N m + 1, ...) interval by interval (N, m + 1, ...)."""
-        m, many = self.degree, len(self.lengths)
-        return x[np.arange(many)[:, None] * m + np.arange(m + 1)]
+        return x[self._numbers]
+
+    @cached_property
+    def _numbers(self) -> np.ndarray:
+        """The nodes of each interval (N, m + 1)."""
+        return np.arange(len(self.lengths))[:, None] * self.degree + np.arange(self.degree + 1)
 
     def at_points(self, x: np.ndarray) -> np.ndarray:
         """A profile at the Gauss points (N, m, ...)."""

@@ -2,7 +2,8 @@
 
 Kuznetsov, Govaerts, Doedel & Dhooge, SIAM J. Numer. Anal. 43 (2005) 1407: the centre manifold round a cycle x0(tau) of
 period T is parametrised by xi and by a time tau along the cycle, so that the flow on it does not depend on tau. With
-A = f_x(x0(tau)), ' = d/dtau, Lh = h' - A h, forms B and C at x0(tau), each order in xi of u' = f(u) is one linear equation.
+A = f_x(x0(tau)), ' = d/dtau, L h = h' - A h, and forms B, C at x0(tau), each order in xi of du/dt = f(u) is one linear
+equation.
 
 lpc: u = x0 + xi v + xi^2 h / 2 + ...,  dtau/dt = 1 - k xi + a xi^2,  dxi/dt = b xi^2; all functions have period T.
 
@@ -27,16 +28,17 @@ dtau/dt = 1 + a |xi|^2,  dxi/dt = d xi |xi|^2.
     d = <w, C(v, v, v*) + 2 B(v, h11) + B(v*, h20) - 2 a v'> / 2,            <w, v> = 1.        (12)
 
 w spans the null space of L's adjoint (with v's boundary condition; in (3) also <w, f> = 0): what makes (2), (6), (11)
-solvable. h and h11 are fixed up to multiples of f, which change nothing. As published, (1) has k = 1 and xi is scaled to
-suit; here k may vanish, as it does where neighbouring cycles have equal periods, and v is normalised everywhere alike:
+solvable. h and h11 are fixed up to multiples of f, which change nothing. As published, (1) has k = 1 and xi is scaled
+to suit; here k may vanish, as it does where neighbouring cycles have equal periods, and v is normalised everywhere alike:
 
     mean over the period of |v / units|^2 = 1;  in (1) also mean of <v / units, f / units> = 0.   (13)
 
-xi is then the amplitude of the critical disturbance in those units. MatCont's integral is not divided by T: its c and Re d
-are ours divided by T. Other units or coordinates change the size, never the sign; the sign of b is that of v (`lpc_form`).
+xi is then the amplitude of the critical disturbance in those units. In the article the integral of |v|^2 over the period
+is 1: its c and Re d are ours divided by T. Other units or coordinates change the size of a coefficient, never its sign;
+that of b turns with v (`lpc_form`).
 
-Discretised, L is the matrix of `sparse_collocation`, bordered by f where f is in its kernel, and w its left null vector, so
-that the solvability conditions are those of the discrete equations themselves; B and C come from the tape.
+Discretised, L is the matrix of `sparse_collocation`, bordered by f where f is in its kernel, and w its left null vector,
+so that the solvability conditions are those of the discrete equations themselves; B and C come from the tape.
 """
 
 from dataclasses import dataclass
@@ -86,8 +88,8 @@ def ns_coefficient(problem: OrbitEquations, u: np.ndarray, angle: float) -> floa
 def lpc_form(problem: OrbitEquations, u: np.ndarray, like: np.ndarray | None = None) -> OrbitForm:
     """Eqs. (1) and (3). v is the side to which cycles drift when the first free parameter grows, or that of `like`.
 
-    Hence b < 0: the two cycles exist above the critical parameter, and v leads to the stable one of the two (if all other
-    multipliers are inside). Along a curve, where the parameter may turn back, give the last v (N m + 1, n) as `like`.
+    So b < 0 says that the two cycles exist above the critical parameter, and v then leads to the stable one of the two
+    (if all other multipliers are inside). Along a curve, where the parameter may turn back, give the last v as `like`.
     """
     cycle = _Cycle(problem, u)
     matrix = bordered(
@@ -134,7 +136,7 @@ def ns_form(problem: OrbitEquations, u: np.ndarray, angle: float) -> OrbitForm:
     if near_resonance(angle):
         return OrbitForm(np.nan, v * problem.units, border)
     points = cycle.points(v)
-    re, im = points.real, points.imag
+    re, im = np.real(points), np.imag(points)
     by_v = cycle.second(re) + 1j * cycle.second(im)
     h11, a = cycle.periodic(np.einsum("jab,jb->ja", by_v, points.conj()).real)
     h20 = cycle.turned(z**2, np.einsum("jab,jb->ja", by_v, points))
@@ -249,16 +251,15 @@ def _solved(matrix: sparse.csc_array, right: np.ndarray) -> np.ndarray:
 
 
 def _null_vectors(matrix: sparse.csc_array) -> tuple[np.ndarray, np.ndarray, float]:
-    """Right and left null vectors (k,), of length 1, of a matrix of rank k - 1; and |border scalar|, 0 if they are that.
+    """Right and left null vectors (k,), of length 1, of a matrix of rank k - 1; |border scalar|: 0 if they are that.
 
     M v + p g = 0, q* v = 1 and the adjoint equations (Govaerts 2000, sec. 3.2), the borders turned to the answer twice.
     """
     k = matrix.shape[0]
-    borders = np.random.default_rng(0).normal(size=(2, k)).astype(matrix.dtype)
-    p, q = borders / np.linalg.norm(borders, axis=1)[:, None]
+    p, q = np.random.default_rng(0).normal(size=(2, k)) / np.sqrt(k)
     border, last = np.inf, np.append(np.zeros(k), 1.0)
     for _ in range(3):
-        whole = bordered(matrix, p[:, None], q.conj()[None], [[0.0]])
+        whole = bordered(matrix, p.reshape(-1, 1), q.conj().reshape(1, -1), [[0.0]])
         factors = factored(whole)
         if factors is None:
             return np.full(k, np.nan), np.full(k, np.nan), np.nan

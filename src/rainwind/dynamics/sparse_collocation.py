@@ -54,10 +54,14 @@ def factored(matrix: sparse.csc_array) -> SuperLU | None:
         return None
 
 
-def solve(factors: SuperLU, matrix: sparse.csc_array, right: np.ndarray) -> np.ndarray:
-    """The solution for right (k, r), refined once."""
-    x = factors.solve(right)
-    return x + factors.solve(right - matrix @ x)
+def solve(
+    factors: SuperLU, matrix: sparse.csc_array, right: np.ndarray, *, adjoint: bool = False
+) -> np.ndarray:
+    """The solution for right (k, ...), refined once; of the conjugate transposed equations if `adjoint`."""
+    side, matrix = ("H", matrix.conj().T) if adjoint else ("N", matrix)
+    right = right.astype(matrix.dtype)
+    x = factors.solve(right, side)
+    return x + factors.solve(right - matrix @ x, side)
 
 
 def newton_step(

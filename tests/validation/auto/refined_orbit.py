@@ -132,48 +132,62 @@ def refine(
     way: Callable[[Field], Flow],
     *,
     speed: float | None = None,
+    damping_ratio: float | None = None,
+    along: tuple[Array, float] | None = None,
     segments: int = 100,
 ) -> RefinedOrbit:
-    """The cycle near `point`, at its wind speed unless another is given; raises NotConverged."""
-    if isinstance(point, RefinedOrbit):
-        starts, times, period = point.states, point.times, point.period
-        own_speed, damping_ratio = point.speed, point.damping_ratio
-    else:
-        rows = np.linspace(0, len(point.times) - 1, segments + 1).round().astype(int)[:-1]
-        starts, times, period = point.profile[rows], point.times[rows], point.parameters[10]
-        own_speed, damping_ratio = point.parameters[:2]
-    speed = float(own_speed if speed is None else speed)
-    field = Field(equations, speed, damping_ratio)
-    flow = way(field)
+    """The cycle near `point`, at its wind speed and damping ratio unless others are given; raises NotConverged.
+
+    With `along`, a direction v of shape (6,) and a length, the wind speed is unknown too, and v . (x - x of
+    `point`) at t = 0 is that length: so it also works where the cycles fold.
+    """
+    if not isinstance(point, RefinedOrbit):
+        point = _as_segments(point, segments)
+    damping_ratio = float(point.damping_ratio if damping_ratio is None else damping_ratio)
+    speed = float(point.speed if speed is None else speed)
+    starts, times, period = point.states, point.times, point.period
     count, x = len(times), starts.copy()
     lengths = np.diff(np.append(times, 1.0))
-    normal = field(starts[0])[0] / np.linalg.norm(field(starts[0])[0])
+    normal = Field(equations, speed, damping_ratio)(starts[0])[0]
+    normal /= np.linalg.norm(normal)
     last = np.inf
-    for _ in range(12):
+    for _ in range(14):
+        field = Field(equations, speed, damping_ratio)
+        flow = way(field)
         ends, matrices, means, traces = zip(
             *(flow(s, h * period) for s, h in zip(x, lengths, strict=True)), strict=True
         )
         gaps = np.array(ends) - np.roll(x, -1, axis=0)
-        system = np.zeros((6 * count + 1, 6 * count + 1))
+        size_of = 6 * count + 1 + (along is not None)
+        system, right = np.zeros((size_of, size_of)), np.zeros(size_of)
         for k in range(count):
             rows, following = slice(6 * k, 6 * k + 6), 6 * ((k + 1) % count)
             system[rows, rows] += matrices[k]
             system[rows, following : following + 6] -= np.eye(6)
-            system[rows, -1] = lengths[k] * field(ends[k])[0]
-        system[-1, :6] = normal
-        right = np.append(gaps.ravel(), normal @ (x[0] - starts[0]))
+            system[rows, 6 * count] = lengths[k] * field(ends[k])[0]
+        system[6 * count, :6] = normal
+        right[: 6 * count], right[6 * count] = gaps.ravel(), normal @ (x[0] - starts[0])
+        if along is not None:
+            # differences are good enough for Newton's method
+            up, down = (way(Field(equations, speed + e, damping_ratio)) for e in (1e-5, -1e-5))
+            for k in range(count):
+                h = lengths[k] * period
+                system[6 * k : 6 * k + 6, -1] = (up(x[k], h)[0] - down(x[k], h)[0]) / 2e-5
+            system[-1, :6], right[-1] = along[0], along[0] @ (x[0] - starts[0]) - along[1]
         size = np.abs(right).max()
         if size < 1e-11 and size >= last / 4:  # rounding
             break
         last = size
         change = np.linalg.solve(system, -right)
-        x, period = x + change[:-1].reshape(count, 6), period + change[-1]
+        x, period = x + change[: 6 * count].reshape(count, 6), period + change[6 * count]
+        if along is not None:
+            speed += change[-1]
     else:
         raise NotConverged(f"multiple shooting at {speed:g} m/s: the last gap is {size:g}")
     highest, lowest = _extremes(field, x, lengths * period)
     return RefinedOrbit(
-        speed=speed,
-        damping_ratio=float(damping_ratio),
+        speed=float(speed),
+        damping_ratio=damping_ratio,
         period=float(period),
         times=times,
         states=x,
@@ -184,6 +198,78 @@ def refine(
         maxima=highest,
         minima=lowest,
     )
+
+
+def _as_segments(point: LabelledPoint, segments: int) -> RefinedOrbit:
+    """AUTO's cycle as a first guess; only what `refine` starts from is filled in."""
+    rows = np.linspace(0, len(point.times) - 1, segments + 1).round().astype(int)[:-1]
+    speed, damping_ratio, period = (float(point.parameters[i]) for i in (0, 1, 10))
+    states, none = point.profile[rows, :6], np.full(6, np.nan)
+    return RefinedOrbit(
+        speed, damping_ratio, period, point.times[rows], states, np.empty(0), none, np.nan, np.nan, none, none
+    )
+
+
+def crossing(
+    equations: Equations,
+    point: LabelledPoint | RefinedOrbit,
+    name: str,
+    *,
+    damping_ratio: float | None = None,
+    other_speed: float | None = None,
+) -> RefinedOrbit:
+    """The cycle near `point` where a multiplier lies on the unit circle ("ns", "pd"), by the secant method.
+
+    It begins with the speed of `point` and another, 1e-5 m/s higher unless given; raises NotConverged.
+    """
+    orbit = refine(equations, point, gauss_flow, damping_ratio=damping_ratio)
+    speeds = [orbit.speed, orbit.speed + 1e-5 if other_speed is None else other_speed]
+    values = [log_critical(orbit, name)]
+    for _ in range(12):
+        orbit = refine(equations, orbit, gauss_flow, speed=speeds[-1])
+        values.append(log_critical(orbit, name))
+        step = -values[-1] * (speeds[-1] - speeds[-2]) / (values[-1] - values[-2])
+        if abs(step) < 1e-11:
+            return orbit
+        speeds.append(speeds[-1] + step)
+    raise NotConverged(f"no multiplier on the unit circle near {orbit.speed:g} m/s ({name})")
+
+
+def fold_of_cycles(equations: Equations, point: LabelledPoint) -> RefinedOrbit:
+    """The cycle near `point` at which the wind speed is extremal: vertices of parabolas through three cycles."""
+    direction, width = np.eye(6)[1], 1e-4
+    orbit = refine(equations, point, gauss_flow, along=(direction, 0.0))
+    for _ in range(15):
+        sides = [refine(equations, orbit, gauss_flow, along=(direction, s)) for s in (-width, width)]
+        low, middle, high = sides[0].speed, orbit.speed, sides[1].speed
+        bend = (low - 2 * middle + high) / width**2
+        step = (low - high) / (2 * bend * width)
+        orbit = refine(equations, orbit, gauss_flow, along=(direction, float(np.clip(step, -0.02, 0.02))))
+        if abs(bend) * step**2 < 1e-12:
+            return orbit
+        # where the branch goes, as far as it is not along the flow: any other direction may stand still
+        direction = sides[1].states[0] - sides[0].states[0]
+        direction /= np.linalg.norm(direction)
+    raise NotConverged(f"no fold of cycles near {orbit.speed:g} m/s")
+
+
+def critical(values: np.ndarray, name: str) -> complex:
+    """The multiplier nearest the unit circle of those that can cross it as this name says; nan if there is none."""
+    if name == "ns":
+        chosen = values[values.imag > 1e-9 * np.abs(values)]
+    else:
+        chosen = values[(np.abs(values.imag) <= 1e-9 * np.abs(values)) & (values.real < 0)]
+    if len(chosen) == 0:
+        return complex("nan")
+    return complex(chosen[np.argmin(np.abs(np.log(np.abs(chosen))))])
+
+
+def log_critical(orbit: RefinedOrbit, name: str) -> float:
+    """log|multiplier| of the critical one; raises NotConverged if no multiplier is of its kind."""
+    value = float(np.log(abs(critical(multipliers_by_product(orbit), name))))
+    if not np.isfinite(value):
+        raise NotConverged(f"no multiplier of the kind {name} at {orbit.speed:g} m/s")
+    return value
 
 
 def _extremes(field: Field, states: Array, lengths: Array) -> tuple[Array, Array]:

@@ -33,7 +33,8 @@ def forced_oscillator() -> KnownCycles:
             return np.stack([place.real, (1j * w * place).real, wave.real, wave.imag], axis=-1)
 
         roots = np.array([-d + 1j * sqrt(1 - d**2), -d - 1j * sqrt(1 - d**2)])
-        return [Cycle("main", p, period, at, period * np.array([*roots, 0, -2], complex))]
+        exponents = np.array([*(roots * period), 0, -2 * period], complex)
+        return [Cycle("main", p, period, at, exponents)]
 
     system = System(
         rhs, ("place", "speed", "cosine", "sine"), {"frequency": 0.6, "damping": 0.05, "drive": 1.0}
