@@ -3,8 +3,8 @@
 The linearised collocation equations L phi - f phi_T - T f_p phi_p = 0 with phi(1) - z phi(0) + w g = 0 and one row
 v'(phi(0), phi_T, phi_p) = 1 define g; it vanishes where the operator without borders is singular (Doedel, Govaerts &
 Kuznetsov, SIAM J. Numer. Anal. 41 (2003) 401). z = 1 with phi_T at a fold of cycles (lpc), with phi_T and phi_p at a
-branch point (bp), where there are two rows v and two scalars; z = -1 at a period doubling (pd); z = exp(i theta) at a
-Neimark-Sacker point (ns), where g is complex. With psi from the transposed system dg = -psi' d(operator) phi.
+branch point (bp), where there are two rows v and two scalars; z = -1 at a period doubling (pd); z = exp(i theta) and phi_T
+at a Neimark-Sacker point (ns), where g is complex. Where phi_T is unknown, one more row forbids shifts along the orbit. With psi from the transposed system dg = -psi' d(operator) phi.
 
 The chain of intervals is reduced to its ends first, so that everything here is a dense system of 2 n + a few unknowns
 (x_0, x_N, phi_T, phi_p, g), and multipliers of any size do no harm.
@@ -22,7 +22,8 @@ from rainwind.dynamics.orbit_equations import Linearised, OrbitEquations
 
 Complex = NDArray[np.complex128]
 
-EXTRA = {"lpc": 1, "pd": 0, "ns": 0, "bp": 2}  # phi_T, phi_p among the unknowns
+# phi_T, phi_p among the unknowns; with phi_T the trivial multiplier is no root, which at small angles of an ns matters
+EXTRA = {"lpc": 1, "pd": 0, "ns": 1, "bp": 2}
 SCALARS = {"lpc": 1, "pd": 1, "ns": 2, "bp": 2}  # real conditions
 
 
@@ -65,7 +66,12 @@ def multiplier_of(kind: str, angle: float) -> complex:
 
 
 def condition(
-    problem: OrbitEquations, u: np.ndarray, at: Linearised, kind: str, borders: OrbitBorders, angle: float = 0.0
+    problem: OrbitEquations,
+    u: np.ndarray,
+    at: Linearised,
+    kind: str,
+    borders: OrbitBorders,
+    angle: float = 0.0,
 ) -> Condition:
     """The scalars of one kind at u, where `at` is the linearisation there."""
     n, extra = problem.n, EXTRA[kind]
@@ -116,7 +122,9 @@ def start_borders(
     random = np.random.default_rng(0)
     rows = 2 if kind == "bp" else 1
     borders = OrbitBorders(
-        random.normal(size=n) / n, random.normal(size=(rows, n + extra)) / n, at.f[0] / np.linalg.norm(at.f[0])
+        random.normal(size=n) / n,
+        random.normal(size=(rows, n + extra)) / n,
+        at.f[0] / np.linalg.norm(at.f[0]),
     )
     for _ in range(4):
         borders = refreshed(condition(problem, u, at, kind, borders, angle), at)
@@ -131,7 +139,9 @@ def null_profile(at: Linearised, found: Condition, column: int = 0) -> np.ndarra
     parts = [np.hstack([v.real, v.imag]) if np.iscomplexobj(v) else v for v in (first, last)]
     k = parts[0].shape[1]
     lam = np.zeros((c, k))
-    lam[: rest.shape[0], : 1] = rest.real
+    lam[: len(rest), 0] = rest[:, 0].real
+    if k == 2:
+        lam[: len(rest), 1] = rest[:, 0].imag
     none = np.zeros((tops.shape[0], first.shape[0], k))
     mesh = chain.mesh_points(tops, none, np.ascontiguousarray(parts[0]), np.ascontiguousarray(parts[1]), lam)
     x = chain.all_nodes(at.steps, mesh, lam, np.zeros(k))
@@ -155,15 +165,13 @@ def slopes(problem: OrbitEquations, u: np.ndarray, at: Linearised, found: Condit
     found_slopes = []
     for column in range(found.g.size):
         phi = problem.grid.at_points(null_profile(at, found, column)).reshape(-1, n)
-        phi_t = float(found.rest[0, column].real) if len(found.rest) else 0.0
-        phi_p = np.zeros(len(free))
-        if len(found.rest) > 1:
-            phi_p[0] = found.rest[1, column].real
-        phis = np.stack([phi.real, phi.imag]) if np.iscomplexobj(phi) else phi[None]
+        rest = np.zeros((1 + len(free), 1), dtype=found.first.dtype)
+        rest[: len(found.rest), 0] = found.rest[:, column]
+        phis, rests = _real(phi), _real(rest)
         psis = np.ascontiguousarray(np.moveaxis(psi, 2, 0)).reshape(psi.shape[2], -1, n)
         # sums psi_a' (d operator) phi_b over all Gauss points, for all a and b
         by_state, by_period, by_parameter = contracted(
-            tape, points, free, np.ascontiguousarray(phis), phi_p, phi_t, psis, period
+            tape, points, free, phis, np.ascontiguousarray(rests[:, :, 0]), psis, period
         )
         if found.kind == "ns":
             pairs_of = [((0, 0, 1.0), (1, 1, -1.0)), ((0, 1, 1.0), (1, 0, 1.0))]
@@ -172,7 +180,9 @@ def slopes(problem: OrbitEquations, u: np.ndarray, at: Linearised, found: Condit
         for terms in pairs_of:
             row = np.zeros(size + 1 + len(free))
             at_points = sum(sign * by_state[a, b] for a, b, sign in terms)
-            nodal = np.einsum("ik,jin->jkn", basis.values, np.reshape(at_points, (-1, problem.grid.degree, n)))
+            nodal = np.einsum(
+                "ik,jin->jkn", basis.values, np.reshape(at_points, (-1, problem.grid.degree, n))
+            )
             profile = row[:size].reshape(-1, n)
             profile[:-1] = nodal[:, :-1].reshape(-1, n)
             profile[problem.grid.degree :: problem.grid.degree] += nodal[:, -1]
@@ -180,6 +190,11 @@ def slopes(problem: OrbitEquations, u: np.ndarray, at: Linearised, found: Condit
             row[size + 1 :] = sum(sign * by_parameter[a, b] for a, b, sign in terms)
             found_slopes.append(row)
     return np.array(found_slopes)
+
+
+def _real(values: np.ndarray) -> np.ndarray:
+    """Real and imaginary parts as rows of a new first axis; of real values only these."""
+    return np.stack([values.real, values.imag]) if np.iscomplexobj(values) else values[None]
 
 
 def slope_by_angle(found: Condition) -> np.ndarray:

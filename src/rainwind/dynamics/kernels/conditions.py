@@ -7,10 +7,10 @@ from rainwind.dynamics.kernels.tangents import second_orders
 
 
 @compiled
-def contracted(tape, points, free, phi, phi_p, phi_t, psi, period):
+def contracted(tape, points, free, phi, rest, psi, period):
     """psi_a' d(T J phi_b + f phi_T + T f_p phi_p) at all Gauss points: by states, and summed by period and parameters.
 
-    points (P, i): inputs of the tape; phi (b, P, n); phi_p (q,), phi_t: they go with every b; psi (a, P, n). Returns
+    points (P, i): inputs of the tape; phi (b, P, n); rest (b, 1 + q): phi_T, phi_p; psi (a, P, n). Returns
     by_state (a, b, P, n), by_period (a, b), by_parameter (a, b, q).
     """
     operations, template, outputs = tape
@@ -29,16 +29,18 @@ def contracted(tape, points, free, phi, phi_p, phi_t, psi, period):
             for k in range(n):
                 vectors[b, k] = phi[b, point, k]
             for k in range(q):
-                vectors[b, free[k]] = phi_p[k]
+                vectors[b, free[k]] = rest[b, 1 + k]
         _, d, mixed = second_orders(operations, template, outputs, points[point], directions, vectors)
         for b in range(phi.shape[0]):
             for a in range(psi.shape[0]):
                 for i in range(n):
                     weight = psi[a, point, i]
                     for k in range(n):
-                        by_state[a, b, point, k] += weight * (period * mixed[b, i, k] + phi_t * d[i, k])
+                        by_state[a, b, point, k] += weight * (period * mixed[b, i, k] + rest[b, 0] * d[i, k])
                         by_period[a, b] += weight * d[i, k] * phi[b, point, k]
                     for k in range(q):
-                        by_parameter[a, b, k] += weight * (period * mixed[b, i, n + k] + phi_t * d[i, n + k])
-                        by_period[a, b] += weight * d[i, n + k] * phi_p[k]
+                        by_parameter[a, b, k] += weight * (
+                            period * mixed[b, i, n + k] + rest[b, 0] * d[i, n + k]
+                        )
+                        by_period[a, b] += weight * d[i, n + k] * rest[b, 1 + k]
     return by_state, by_period, by_parameter
