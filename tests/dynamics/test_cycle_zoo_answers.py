@@ -36,7 +36,7 @@ def some_cycles(known):
     return [cycle for value in places(known) for cycle in known.cycles({known.along: value})]
 
 
-def residual(known, cycle, points=512):
+def residual(known, cycle, points=256):
     """Largest |x' - f(x)|, the derivative from the orbit's Fourier coefficients."""
     times = np.arange(points) * cycle.period / points
     x = cycle.at(times)
@@ -49,7 +49,7 @@ def residual(known, cycle, points=512):
     return np.abs(derivative - f).max() / max(1.0, np.abs(f).max())
 
 
-def monodromy(known, cycle, steps=600):
+def monodromy(known, cycle, steps=300):
     """The variational equation along the exact orbit by Magnus' series of order 6 (Blanes et al. 2009, eq. 253)."""
     h = cycle.period / steps
     nodes = h * (0.5 + np.sqrt(0.15) * np.array([-1, 0, 1]))
@@ -271,14 +271,13 @@ def test_no_special_point_of_a_curve_is_missing(name, curve):
 
 
 def softness(known, at, step):
-    """Whether the doubled cycle beside a pd point lies where the single one is unstable to it."""
+    """Whether the doubled cycle beside a pd point, the smallest, lies where the single one is unstable to it."""
+    beside = []
     for sign in (1, -1):
         changed = {**at, known.along: at[known.along] + sign * step}
-        doubled = [c for c in known.cycles(changed, "doubled") if np.abs(amplitude(c)) < 0.3]
-        if doubled:
-            single = min(known.cycles(changed, "main"), key=lambda c: distance(flip(c), 1j * np.pi))
-            return bool(flip(single).real > 0)
-    return None
+        single = min(known.cycles(changed, "main"), key=lambda c: distance(flip(c), 1j * np.pi))
+        beside += [(amplitude(c), bool(flip(single).real > 0)) for c in known.cycles(changed, "doubled")]
+    return min(beside)[1] if beside else None
 
 
 def flip(cycle):
@@ -297,17 +296,38 @@ def test_on_which_side_of_a_period_doubling_the_doubled_cycles_are(name, answer)
     assert softness(known, answer.at, 1e-4) is answer.soft
 
 
-@pytest.mark.parametrize(
-    ("name", "curve", "at"),
-    [(name, c, answer.at) for name, c in CURVES for answer in c.answers if answer.kind == "gpd"],
-)
-def test_criticality_changes_at_a_generalised_period_doubling(name, curve, at):
-    known, free = ZOO[name], curve.along[0] if ZOO[name].along != curve.along[0] else curve.along[1]
-    found = set()
-    for sign in (1, -1):
-        (place,) = [p for p in on_curve(known, curve, at[free] + 0.1 * sign) if curve.along[0] == free]
-        found.add(softness(known, {key: place[key] for key in curve.along}, 1e-5))
-    assert found == {True, False}
+@pytest.mark.parametrize(("name", "curve"), [c for c in CURVES if c[1].kind == "pd"])
+def test_criticality_changes_along_a_curve_of_period_doublings_where_it_should(name, curve):
+    """The cubic coefficient vanishes at gpd, and is infinite at foldflip and r2."""
+    known, grid = ZOO[name], np.linspace(*curve.until[curve.along[0]], 300)
+    found = []
+    for free in grid:
+        (place,) = on_curve(known, curve, free)
+        found.append(softness(known, {key: place[key] for key in curve.along}, 1e-7))
+    assert None not in found
+    expected = [a.at[curve.along[0]] for a in curve.answers if a.kind in ("gpd", "foldflip", "r2")]
+    assert changes(found) == cells(grid, expected)
+
+
+@pytest.mark.parametrize(("name", "at"), [(n, a.at) for n, c in CURVES for a in c.answers if a.kind == "cpc"])
+def test_three_cycles_meet_at_a_cusp(name, at):
+    known, far = ZOO[name], 0.05
+    assert len(known.cycles({**at, "a": far})) == 3
+    assert [len(known.cycles({**at, "a": -far})), len(known.cycles({**at, "b": far}))] == [1, 1]
+    for cycle in known.cycles({**at, "a": far}):  # all of them near the origin of the cubic
+        assert abs(cycle.exponents.real).min() == 0
+        nearest = np.sort(abs(cycle.exponents.real))[1]
+        assert 0 < nearest < 10 * far * cycle.period
+
+
+def test_criticality_changes_at_the_chenciner_point():
+    signs = []
+    for nu in (-sympy.Rational(1, 100), sympy.Rational(1, 100)):
+        square = Z1**2 + Z2**2
+        growth = nu * square - square**2  # of zoo.bautin, at mu = 0
+        f = [growth * Z1 - Z2, Z1 + growth * Z2]
+        signs.append(first_lyapunov(f, [Z1, Z2], [0, 0], 1))
+    assert signs == pytest.approx([-0.02, 0.02])
 
 
 def first_lyapunov(f, x, at, omega):

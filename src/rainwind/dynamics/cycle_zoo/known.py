@@ -69,7 +69,7 @@ class KnownCycles:
     all_cycles: all parameters -> every cycle known there, on this branch or another. branch: the name of this one.
     equilibrium: a state that rests at the system's own parameters, from which `rw.continue_equilibria` along the
     same parameter reaches the Hopf point `hopf` where the branch is born. homoclinic: where the branch ends with
-    infinite period.
+    infinite period. closed: the branch comes back to its start within `until`.
     """
 
     system: System
@@ -82,6 +82,7 @@ class KnownCycles:
     equilibrium: tuple[float, ...] | None = None
     hopf: float | None = None
     homoclinic: float | None = None
+    closed: bool = False
 
     def cycles(self, changes: Parameters | None = None, branch: str | None = None) -> tuple[Cycle, ...]:
         """The cycles known at the system's parameters with these changes; of one branch, or of all."""

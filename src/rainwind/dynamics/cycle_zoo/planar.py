@@ -139,6 +139,7 @@ def isola(c: float = 1.0) -> KnownCycles:
         until=(-2.0, 2.0),
         answers=tuple(CycleAnswer("lpc", {"lam": sign * sqrt(c)}) for sign in (1.0, -1.0)),
         curves=(curve,),
+        closed=True,
     )
 
 

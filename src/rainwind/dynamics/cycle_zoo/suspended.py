@@ -157,12 +157,13 @@ def pitchfork() -> KnownCycles:
 
 def closed_loop() -> KnownCycles:
     """z' = z^2 + p^2 - 1: the cycles are a closed branch, lpc at p = +-1."""
-    return suspended(
+    known = suspended(
         zoo.closed_loop(),
         lambda p: [("main", (z,)) for z in whole_roots(1.0, 0.0, p["p"] ** 2 - 1)[::-1]],
         carrier=2.2,
         shear=0.15,
     )
+    return replace(known, closed=True)
 
 
 def neimark_sacker(c: float = -1.0) -> KnownCycles:

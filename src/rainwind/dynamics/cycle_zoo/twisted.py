@@ -56,7 +56,9 @@ def doubling(
         return found
 
     gpd = (CycleAnswer("gpd", {"a": 0.0, "b": 0.0}),) if quintic else ()
-    until = {"b": (-1.3, 1.1), "a": (-0.6, 0.6)}
+    # without the quintic term b = 0 is too degenerate to be crossed
+    width = (-1.2, 1.2) if quintic else ((-1.3, -0.2) if cubic < 0 else (0.2, 1.3))
+    until = {"b": width, "a": (-0.6, 0.6)}
     answers: tuple[CycleAnswer, ...] = (
         CycleAnswer("pd" if odd else "bp", {"a": 0.0}, soft=cubic < 0 if odd else None),
     )
