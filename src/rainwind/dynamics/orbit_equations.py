@@ -75,8 +75,14 @@ class OrbitEquations:
         operations, template, outputs = system.tape.arrays
         tape = (*specialised(operations, template, inputs, varies), outputs)
         profile = (self.units / np.sqrt(self.grid.quadrature)[:, None]).ravel()
-        object.__setattr__(self, "scale", np.concatenate([profile, [self.period_unit], self.parameter_units]))
+        rest = [[self.period_unit], self.parameter_units, np.ones(self.extras)]
+        object.__setattr__(self, "scale", np.concatenate([profile, *rest]))
         object.__setattr__(self, "tape", (tape, inputs, free))
+
+    @property
+    def extras(self) -> int:
+        """Unknowns behind the free parameters."""
+        return 0
 
     # -- the parts of u ---------------------------------------------------------------------------------------------
 
@@ -105,7 +111,7 @@ class OrbitEquations:
 
     def window(self, bounds: list[tuple[float, float]]) -> dict[int, tuple[float, float]]:
         """The bounds of the free parameters, by number counted from the end of u, whatever the grid."""
-        return {k - len(bounds): bound for k, bound in enumerate(bounds)}
+        return {k - len(bounds) - self.extras: bound for k, bound in enumerate(bounds)}
 
     def tangent_parameters(self, node: Node) -> np.ndarray:
         """Derivatives of the free parameters by arclength (q,)."""
@@ -227,7 +233,7 @@ class OrbitEquations:
     def change(self, step: np.ndarray, u: np.ndarray) -> float:
         """The size of a step: the largest change of any unknown, as a share of its unit and its own size."""
         size = self.profile_size
-        units = np.concatenate([[self.period_unit], self.parameter_units])
+        units = self.scale[size:]
         profile = np.max(np.abs(self.profile(step)) / (self.units + np.abs(self.profile(u))))
         rest = np.max(np.abs(step[size:]) / (units + np.abs(u[size:]))) if step.size > size else 0.0
         return float(max(profile, rest))

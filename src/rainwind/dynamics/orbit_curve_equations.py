@@ -1,0 +1,106 @@
+"""Folds, period doublings and Neimark-Sacker points of orbits as a curve H(u) = 0 in two parameters."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rainwind.dynamics.kernels import chain
+from rainwind.dynamics.nodes import Node
+from rainwind.dynamics.orbit_conditions import (
+    SCALARS,
+    OrbitBorders,
+    condition,
+    null_profile,
+    refreshed,
+    slope_by_angle,
+    slopes,
+    start_borders,
+)
+from rainwind.dynamics.orbit_equations import NEWTON_LIMIT, Linearised, OrbitEquations, OrbitNode
+
+
+@dataclass(frozen=True, slots=True)
+class OrbitCurveNode(OrbitNode):
+    """A point of the curve; critical: the border vectors, kept turned to the null vectors."""
+
+    critical: OrbitBorders = None  # type: ignore[assignment]  # always given
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class OrbitCurveEquations(OrbitEquations):
+    """Orbits at which the scalars of one kind vanish (`orbit_conditions`), with two free parameters.
+
+    kind: lpc, pd or ns; at ns the last unknown of u is the angle of the critical multipliers.
+    """
+
+    kind: str
+
+    @property
+    def extras(self) -> int:
+        """The angle."""
+        return 1 if self.kind == "ns" else 0
+
+    def angle(self, u: np.ndarray) -> float:
+        """The angle of the critical pair: 0 at lpc, pi at pd."""
+        return float(u[-1]) if self.kind == "ns" else (np.pi if self.kind == "pd" else 0.0)
+
+    def correct(self, near: Node, u: np.ndarray, tangent: np.ndarray) -> OrbitCurveNode | None:
+        """The point of the curve in the hyperplane through u across the tangent; None when Newton fails."""
+        size, scalars = self.profile_size, SCALARS[self.kind]
+        count = 1 + len(self.along) + self.extras
+        across = tangent / self.scale
+        rows, corner = np.zeros((count, size)), np.zeros((count, count))
+        rows[0] = self.phase_row(self.profile(u), self.profile(tangent * self.scale))
+        rows[-1], corner[-1] = across[:size], across[size:]
+        target = np.array([rows[0] @ u[:size], across @ u])
+        right = np.zeros((count, 2))
+        right[-1, 1] = 1.0
+        u = u.copy()
+        borders = near.critical if isinstance(near, OrbitCurveNode) else None
+        converged = False
+        for iteration in range(NEWTON_LIMIT):
+            at = self.linearise(u)
+            try:
+                if borders is None:
+                    borders = start_borders(self, u, at, self.kind, self.angle(u))
+                found = condition(self, u, at, self.kind, borders, self.angle(u))
+            except np.linalg.LinAlgError:
+                return None
+            by = slopes(self, u, at, found)
+            rows[1:-1], corner[1:-1, : by.shape[1] - size] = by[:, :size], by[:, size:]
+            if self.extras:
+                corner[1:-1, -1] = slope_by_angle(found)
+            right[0, 0] = target[0] - rows[0] @ u[:size]
+            right[1:-1, 0] = -found.values
+            right[-1, 0] = target[1] - across @ u
+            steps = at.steps
+            if self.extras:  # the angle has no part in the orbit's own equations
+                steps = np.ascontiguousarray(np.insert(steps, steps.shape[2] - 1, 0.0, axis=2))
+            x, lam, _, _ = chain.solve_periodic(steps, rows, corner, right)
+            step = np.concatenate([x[:, :, 0].ravel(), lam[:, 0]])
+            if not np.all(np.isfinite(step)):
+                return None
+            if converged:
+                turned = np.concatenate([x[:, :, 1].ravel(), lam[:, 1]]) / self.scale
+                turned /= np.linalg.norm(turned)
+                return self._node(near, u, turned, iteration, at, found, by[:scalars])
+            u += step
+            converged = self.change(step, u) < self.tolerance
+        return None
+
+    def _node(self, near, u, turned, iteration, at: Linearised, found, by) -> OrbitCurveNode:  # type: ignore[no-untyped-def]
+        age = near.age + 1 if isinstance(near, OrbitNode) and near.grid is self.grid else 1
+        exponents, trivial, liouville = self.floquet(u, at)
+        tests = np.zeros(2)
+        if self.kind == "lpc":
+            # the derivative of g along the null vector: the quadratic coefficient but for its size
+            profile = null_profile(at, found)
+            along = np.append(profile.ravel(), found.rest[0, 0]) / self.scale[: self.profile_size + 1]
+            scaled = by[0, : self.profile_size + 1] * self.scale[: self.profile_size + 1]
+            tests[0] = scaled @ along / np.linalg.norm(along)
+        elif self.kind == "ns":
+            angle = self.angle(u)
+            tests[1] = np.cos(angle) * (np.cos(angle) + 0.5)  # 1:4 and 1:3
+        return OrbitCurveNode(
+            u, turned, 0.0, iteration, tests, exponents, None, self.grid, trivial, liouville, age, refreshed(found, at)
+        )
