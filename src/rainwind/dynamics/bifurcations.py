@@ -19,11 +19,7 @@ Borders = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 def equilibrium_inspector(problem: Equations) -> Inspector:
     """Reads a branch of equilibria in one parameter: folds, Hopf points, branch points."""
-
-    def locate(kind: str, a: Probe, b: Probe, changes: Changes) -> SpecialPoint | None:
-        return _locate(problem, kind, a, b, changes)
-
-    return Inspector(problem, (True, False), _classify, locate)
+    return Inspector(problem, (True, False), _classify, _locate)
 
 
 def _classify(changes: Changes) -> str | None:

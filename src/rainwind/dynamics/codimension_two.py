@@ -20,12 +20,12 @@ _STRONG = ((1, 1), (1, 2), (1, 3))
 
 def fold_curve_inspector(problem: Equations) -> Inspector:
     """Reads a curve of folds: tests are the quadratic coefficient and w'v."""
-    return Inspector(problem, (True, True), _on_fold_curve, lambda *event: _locate(problem, *event))
+    return Inspector(problem, (True, True), _on_fold_curve, _locate)
 
 
 def hopf_curve_inspector(problem: Equations) -> Inspector:
     """Reads a curve of Hopf points: tests are kappa and l1 det J, which vanishes where l1 does but has no poles."""
-    return Inspector(problem, (True, True), _on_hopf_curve, lambda *event: _locate(problem, *event))
+    return Inspector(problem, (True, True), _on_hopf_curve, _locate)
 
 
 def _on_fold_curve(changes: Changes) -> str | None:

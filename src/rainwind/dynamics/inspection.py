@@ -66,13 +66,13 @@ class Inspector:
     """How one kind of curve is read.
 
     continuous: whether each test value is continuous or only a sign; classify: Changes -> kind of point, or None
-    where they fit none; locate: kind, two probes, changes -> the point, or None when it could not be located there.
+    where they fit none; locate: problem, kind, two probes, changes -> the point, or None when it could not be located there.
     """
 
     problem: Any
     continuous: tuple[bool, bool]
     classify: Callable[[Changes], str | None]
-    locate: Callable[[str, Probe, Probe, Changes], SpecialPoint | None]
+    locate: Callable[[Any, str, Probe, Probe, Changes], Any]
     most_probes: int = 500  # in one interval: values that only look like crossings could ask for millions
 
     def labels(self, nodes: Nodes) -> tuple[list[SpecialPoint], list[Unexplained]]:
@@ -119,7 +119,7 @@ class Inspector:
             probes += 1
             point = None
             if kind and (middle is None or (not unsettled and self._straight(a, middle, b, changes))):
-                point = self.locate(kind, a, b, changes)
+                point = self.locate(self.problem, kind, a, b, changes)
             if point is not None:
                 points.append(point)
             elif middle is not None:

@@ -1,11 +1,15 @@
 """Special points of a branch of periodic orbits: which kind, exactly where, and a certificate for each."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rainwind.dynamics import floquet
+from rainwind.dynamics.collocation import Grid
 from rainwind.dynamics.continuation import zero_between
 from rainwind.dynamics.inspection import Changes, Inspector, Probe, pace
 from rainwind.dynamics.kernels import chain
@@ -13,10 +17,7 @@ from rainwind.dynamics.kernels import collocation as kernel
 from rainwind.dynamics.kernels.screening import hasty
 from rainwind.dynamics.orbit_conditions import Condition, condition, null_profile, refreshed, start_borders
 from rainwind.dynamics.orbit_equations import Linearised, OrbitEquations, OrbitNode
-try:
-    from rainwind.dynamics.orbit_normal_forms import lpc_coefficient, ns_coefficient, pd_coefficient
-except ImportError:
-    lpc_coefficient = pd_coefficient = ns_coefficient = lambda *a: float("nan")
+from rainwind.dynamics.orbit_normal_forms import lpc_coefficient, ns_coefficient, pd_coefficient
 from rainwind.dynamics.orbit_results import OrbitPoint
 from rainwind.dynamics.results import Certificate, Unexplained
 
@@ -27,13 +28,17 @@ FARTHEST = -12.0  # log|mu| below which nothing is watched: what is far inside t
 
 @dataclass(frozen=True)
 class OrbitInspector(Inspector):
-    """Reads a branch of orbits in one parameter: folds, period doublings, Neimark-Sacker and branch points."""
+    """Reads orbits of a walk: a branch in one parameter or, with another `watch`, a curve in two.
+
+    watch: the exponents of a node that may cross the unit circle.
+    """
 
     most_probes: int = 60
+    watch: Callable[[OrbitNode], Complex] = lambda node: near_circle(node.eigenvalues)
 
-    def watched(self, before: Complex, node: OrbitNode) -> Complex:  # type: ignore[override]
+    def watched(self, before: Complex, node: Any) -> Complex:
         """The exponents of a node in the order of those before."""
-        return self.in_order(before, watched(node))
+        return self.in_order(before, self.watch(node))
 
     def in_order(self, before: Complex, after: Complex) -> Complex:
         """Exponents in the order of those before."""
@@ -41,62 +46,63 @@ class OrbitInspector(Inspector):
 
     def sorted_changes(self, changes: Changes, a: Probe, b: Probe) -> Changes:
         """Crossings of two negative multipliers are apart from those of a complex pair."""
-        negative = tuple(k for k in changes.pairs if np.pi == abs(a.watched[k].imag) == abs(b.watched[k].imag))
+        negative = tuple(
+            k for k in changes.pairs if np.pi == abs(a.watched[k].imag) == abs(b.watched[k].imag)
+        )
         return replace(changes, negative=negative, pairs=tuple(k for k in changes.pairs if k not in negative))
+
+    def read(self, nodes: Sequence[Any]) -> tuple[list[OrbitPoint], list[Unexplained]]:
+        """All special points between the nodes of a walk, and the changes that none explains."""
+        points: list[OrbitPoint] = []
+        unexplained: list[Unexplained] = []
+        if len(nodes) < 2:
+            return points, unexplained
+        probes = [Probe(nodes[0], self.watch(nodes[0]), np.zeros(0))]
+        for node in nodes[1:]:
+            probes.append(Probe(node, self.watched(probes[-1].watched, node), np.zeros(0)))
+        paces = [pace(a, b) for a, b in pairwise(probes)]
+        continuous = np.array(self.continuous)
+        last = len(paces) - 1
+        for i, (a, b) in enumerate(pairwise(probes)):
+            # the pace just before the interval and just after it
+            a, b = replace(a, pace=paces[max(i - 1, 0)]), replace(b, pace=paces[min(i + 1, last)])
+            length = b.node.arclength - a.node.arclength
+            changed = np.any((a.values > 0) != (b.values > 0))
+            if changed or hasty(a.values, b.values, np.maximum(a.pace, b.pace), length, continuous):
+                here = self.on(b.node.grid)  # type: ignore[attr-defined]
+                a = here.on_grid(a)
+                if a is not None:
+                    here.explain(a, b, points, unexplained)
+        return sorted(points, key=lambda p: p.arclength), sorted(unexplained, key=lambda u: u.between)
+
+    def on(self, grid: Grid) -> "OrbitInspector":
+        """The same on another grid."""
+        return self if grid is self.problem.grid else replace(self, problem=self.problem.on(grid))
+
+    def on_grid(self, a: Probe) -> Probe | None:
+        """A probe on the problem's grid; None where Newton does not find the orbit there."""
+        node: Any = a.node
+        if node.grid is self.problem.grid:
+            return a
+        before = self.problem.on(node.grid)
+        u = before.moved(node.u, self.problem.grid)
+        tangent = before.moved(node.tangent * before.scale, self.problem.grid) / self.problem.scale
+        found = self.problem.correct(node, u, tangent / np.linalg.norm(tangent))
+        if found is None:
+            return None
+        return replace(
+            a, node=replace(found, arclength=node.arclength), watched=self.watched(a.watched, found)
+        )
+
+
+def near_circle(exponents: Complex) -> Complex:
+    """Exponents with those far inside the circle cut off: their changes are noise."""
+    return np.maximum(exponents.real, FARTHEST) + 1j * exponents.imag
 
 
 def orbit_inspector(problem: OrbitEquations) -> OrbitInspector:
-    """Reads orbits on the problem's grid."""
-    return OrbitInspector(
-        problem, (True, False), _classify, lambda *event: _locate(problem, *event)
-    )
-
-
-def watched(node: OrbitNode) -> Complex:
-    """The exponents that may cross the unit circle."""
-    return np.maximum(node.eigenvalues.real, FARTHEST) + 1j * node.eigenvalues.imag
-
-
-def labels(problem: OrbitEquations, nodes: list[OrbitNode]) -> tuple[list[OrbitPoint], list[Unexplained]]:
-    """All special points between the nodes of a walk, and the changes that none explains."""
-    points: list[OrbitPoint] = []
-    unexplained: list[Unexplained] = []
-    if len(nodes) < 2:
-        return points, unexplained
-    probes = [Probe(nodes[0], watched(nodes[0]), np.zeros(problem.n + 1))]
-    for node in nodes[1:]:
-        ordered = floquet.matched(probes[-1].watched, watched(node))
-        probes.append(Probe(node, ordered, np.zeros(problem.n + 1)))
-    paces = [pace(a, b) for a, b in zip(probes[:-1], probes[1:], strict=True)]
-    continuous = np.array([True, False])
-    last = len(paces) - 1
-    for i, (a, b) in enumerate(zip(probes[:-1], probes[1:], strict=True)):
-        # the pace just before the interval and just after it
-        a, b = replace(a, pace=paces[max(i - 1, 0)]), replace(b, pace=paces[min(i + 1, last)])
-        length = b.node.arclength - a.node.arclength
-        changed = np.any((a.values > 0) != (b.values > 0))
-        if not changed and not hasty(a.values, b.values, np.maximum(a.pace, b.pace), length, continuous):
-            continue
-        here = problem.on(b.node.grid)
-        a = _on_grid(here, a)
-        if a is not None:
-            orbit_inspector(here).explain(a, b, points, unexplained)
-    return sorted(points, key=lambda p: p.arclength), sorted(unexplained, key=lambda u: u.between)
-
-
-def _on_grid(problem: OrbitEquations, a: Probe) -> Probe | None:
-    """A probe on the problem's grid."""
-    node: OrbitNode = a.node  # type: ignore[assignment]
-    if node.grid is problem.grid:
-        return a
-    before = problem.on(node.grid)
-    u = before.moved(node.u, problem.grid)
-    tangent = before.moved(node.tangent * before.scale, problem.grid) / problem.scale
-    found = problem.correct(node, u, tangent / np.linalg.norm(tangent))
-    if found is None:
-        return None
-    ordered = floquet.matched(a.watched, watched(found))
-    return replace(a, node=replace(found, arclength=node.arclength), watched=ordered)
+    """Reads a branch of orbits in one parameter: lpc, pd, ns, bp."""
+    return OrbitInspector(problem, (True, False), _classify, _locate)
 
 
 def _classify(changes: Changes) -> str | None:
@@ -119,7 +125,7 @@ def _locate(problem: OrbitEquations, kind: str, a: Probe, b: Probe, changes: Cha
     def value(node: OrbitNode) -> float:
         if kind == "lpc" or column is None:
             return float(node.tests[0])
-        return float(floquet.matched(a.watched, watched(node))[column].real)
+        return float(floquet.matched(a.watched, near_circle(node.eigenvalues))[column].real)
 
     node = zero_between(problem, a.node, b.node, value)
     return None if node is None else describe(problem, kind, node, value(node))

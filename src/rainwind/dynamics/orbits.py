@@ -1,27 +1,35 @@
 """Periodic orbits: follow them in one parameter, from a Hopf point, an orbit or a labelled orbit."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from rainwind.dynamics.bifurcations import solve_hopf
 from rainwind.dynamics.bifurcations import describe as describe_equilibrium
+from rainwind.dynamics.bifurcations import solve_hopf
 from rainwind.dynamics.branches import check_states, check_steps, window_of
 from rainwind.dynamics.collocation import Grid, Mesh
-from rainwind.dynamics.continuation import Walk
 from rainwind.dynamics.equations import smallest_step
 from rainwind.dynamics.newton import state_scale
-from rainwind.dynamics.orbit_bifurcations import labels
-from rainwind.dynamics.orbit_equations import USELESS, OrbitEquations, OrbitNode
+from rainwind.dynamics.orbit_bifurcations import orbit_inspector
+from rainwind.dynamics.orbit_equations import OrbitEquations, OrbitNode
 from rainwind.dynamics.orbit_results import Orbit, OrbitBranch, OrbitPoint
-from rainwind.dynamics.results import Ended, SpecialPoint, Unexplained
+from rainwind.dynamics.orbit_walks import (
+    Progress,
+    Route,
+    both_ways,
+    joined,
+    on_grid_of,
+    product,
+    swing_turned,
+    through_start,
+    walked,
+)
+from rainwind.dynamics.results import Ended, SpecialPoint
 from rainwind.dynamics.system import System, as_system, number
 from rainwind.errors import ComputationError, InputError
 from rainwind.parameters import unknown_name
-
-Progress = Callable[[Orbit, int], None]
 
 
 def continue_orbits(
@@ -49,15 +57,19 @@ def continue_orbits(
     if number(longest, "longest") <= 1.0:
         raise InputError(f"longest = {longest!r}: the factor by which the period may grow must be above 1")
     problem, node, beginning = _start(as_system(model), along, start, until, ds, mesh)
-    window = problem.window([window_of(problem.system, along, until)])
-    stop = _Stop(problem, beginning, longest * node_period(problem, node), limit, progress)
-    ahead = _half(problem, node, window, ds, stop, beginning)
-    halves = [ahead]
-    if beginning.kind not in ("hopf", "pd") and ahead.ended not in (Ended.CLOSED, Ended.INTERRUPTED):
-        turned = problem.correct(node, node.u, -node.tangent)
-        if turned is not None:
-            halves.insert(0, _half(problem, replace(turned, arclength=0.0), window, ds, stop, beginning))
-    return _joined(problem, halves, beginning)
+
+    def passed(a: OrbitNode, b: OrbitNode, count: int) -> tuple[Ended | None, list[Any]]:
+        return _passed(problem, beginning, node, a, b, count)
+
+    born = beginning.kind in ("hopf", "pd")  # the start itself is no orbit of this branch
+    route = Route(
+        problem, problem.window([window_of(problem.system, along, until)]), orbit_inspector(problem), ds, passed,
+        not born, limit, longest * problem.parts(node.u)[1], progress,
+    )  # fmt: skip
+    halves = [walked(route, node)] if born else both_ways(route, node)
+    first = {"hopf": Ended.AT_HOPF, "pd": Ended.REVISITED}.get(beginning.kind, halves[0].ended)
+    extra = [replace(beginning.point, arclength=0.0, along=problem.along)] if beginning.kind == "hopf" else []  # type: ignore[type-var]
+    return joined("orbits", problem, halves, first, extra)
 
 
 @dataclass(frozen=True)
@@ -68,150 +80,28 @@ class _Beginning:
     point: SpecialPoint | None = None
 
 
-@dataclass(frozen=True)
-class _Stop:
-    """When a walk along orbits has gone far enough."""
-
-    problem: OrbitEquations
-    beginning: _Beginning
-    longest: float
-    limit: int
-    progress: Progress | None
-
-
-class _Half:
-    """One direction of a branch, its arclength counted from the start."""
-
-    def __init__(
-        self, nodes: list[OrbitNode], orbits: list[Orbit], ended: Ended, points: list[Any], gaps: list[Unexplained]
-    ) -> None:
-        self.nodes, self.orbits, self.ended, self.points, self.gaps = nodes, orbits, ended, points, gaps
-
-
-def node_period(problem: OrbitEquations, node: OrbitNode) -> float:
-    """The period at a node."""
-    return problem.parts(node.u)[1]
-
-
-def _half(
-    problem: OrbitEquations,
-    start: OrbitNode,
-    window: dict[int, tuple[float, float]],
-    ds: float,
-    stop: _Stop,
-    beginning: _Beginning,
-) -> _Half:
-    walk = Walk(problem, start, ds=ds, window=window)
-    degenerate = beginning.kind in ("hopf", "pd")  # the start itself is no orbit of this branch
-    nodes, orbits = ([], []) if degenerate else ([start], [problem.orbit(start)])
-    before, points, ended = start, [], None
-    try:
-        for node in walk:
-            here = problem.on(node.grid)
-            ended = _passed(problem, before, node, start, len(nodes), beginning)
-            if ended is not None:
-                if ended is Ended.AT_HOPF:
-                    points = _hopf_at_end(problem, before, node)
-                elif ended is Ended.CLOSED:
-                    nodes.append(replace(start, arclength=node.arclength))
-                    orbits.append(orbits[0])
-                break
-            orbit = here.orbit(node)
-            refusal = problem.system.refusal
-            if refusal is not None and any(
-                refusal(x, orbit.parameters) is not None for x in orbit.profile[:: here.grid.degree]
-            ):
-                ended = Ended.REFUSED
-                break
-            if orbit.mesh_error > USELESS and len(here.grid.lengths) >= problem.mesh.most:
-                ended = Ended.MESH_AT_LIMIT
-                break
-            nodes.append(node)
-            orbits.append(orbit)
-            if stop.progress is not None:
-                stop.progress(orbit, len(orbits))
-            if orbit.period > stop.longest:
-                ended = Ended.HOMOCLINIC
-            elif len(nodes) >= stop.limit:
-                ended = Ended.TOO_MANY_POINTS
-            if ended is not None:
-                break
-            before = node
-    except KeyboardInterrupt:
-        ended = Ended.INTERRUPTED
-    except SystemError as error:
-        # so numba reports a Ctrl-C that came while a kernel ran
-        if not isinstance(error.__cause__, KeyboardInterrupt):
-            raise
-        ended = Ended.INTERRUPTED
-    found, gaps = labels(problem, nodes)
-    return _Half(nodes, orbits, ended or walk.ended, [*found, *points], gaps)  # type: ignore[arg-type]
-
-
 def _passed(
-    problem: OrbitEquations,
-    a: OrbitNode,
-    b: OrbitNode,
-    start: OrbitNode,
-    count: int,
-    beginning: _Beginning,
-) -> Ended | None:
+    problem: OrbitEquations, beginning: _Beginning, start: OrbitNode, a: OrbitNode, b: OrbitNode, count: int
+) -> tuple[Ended | None, list[Any]]:
     """What the step from a to b went through that ends the walk: a Hopf point, the mother branch, the start."""
-    first, last = _on(problem, a, b), problem.on(b.grid)
-    before, after = last.profile(first.u), last.profile(b.u)
-    weight = last.grid.quadrature
-    swings = [x - weight @ x for x in (before, after)]
-    # past a Hopf point the orbit comes out on the other side of the equilibrium
-    if count and _product(last, *swings) < 0:
-        return Ended.AT_HOPF
-    if beginning.kind == "pd" and count:
-        halves = [_half_period_difference(last, x) for x in (before, after)]
-        if _product(last, *halves) < 0:
-            return Ended.REVISITED
-    if beginning.kind != "orbit" or count < 3:
-        return None
-    return Ended.CLOSED if _through_start(problem, a, b, start) else None
-
-
-def _on(problem: OrbitEquations, node: OrbitNode, other: OrbitNode) -> OrbitNode:
-    """A node with its unknowns interpolated on the grid of another."""
-    if node.grid is other.grid:
-        return node
-    return replace(node, u=problem.on(node.grid).moved(node.u, other.grid), grid=other.grid)
-
-
-def _product(problem: OrbitEquations, x: np.ndarray, y: np.ndarray) -> float:
-    """The mean product of two profiles over the period, states in their units."""
-    return float(problem.grid.quadrature @ np.sum(x * y / problem.units**2, axis=1))
+    if not count:
+        return None, []
+    if swing_turned(problem, a, b):
+        return Ended.AT_HOPF, _hopf_at_end(problem, a, b)
+    if beginning.kind == "pd":
+        here = problem.on(b.grid)
+        halves = [_half_period_difference(here, here.profile(u)) for u in (on_grid_of(problem, a, b), b.u)]
+        if product(here, *halves) < 0:
+            return Ended.REVISITED, []
+    if beginning.kind == "orbit" and count >= 3 and through_start(problem, a, b, start):
+        return Ended.CLOSED, []
+    return None, []
 
 
 def _half_period_difference(problem: OrbitEquations, x: np.ndarray) -> np.ndarray:
     """x(t + T/2) - x(t): zero where the orbit has half the period."""
     grid = problem.grid
     return grid.at(x, np.mod(grid.nodes + 0.5, 1.0)) - x
-
-
-def _through_start(problem: OrbitEquations, a: OrbitNode, b: OrbitNode, start: OrbitNode) -> bool:
-    """Whether the walk passes its start between a and b: by quantities that no shift along the orbit changes."""
-    va, vb, v0 = (_invariants(problem.on(node.grid), node) for node in (a, b, start))
-    step = vb - va
-    length = float(np.linalg.norm(step))
-    fraction = float((v0 - va) @ step) / length**2 if length else 0.0
-    if not 0.0 <= fraction < 1.0:
-        return False
-    offset = float(np.linalg.norm(va + fraction * step - v0))
-    return offset < 0.1 * length and offset < 1e-2 and float(start.tangent[-1] * b.tangent[-1]) >= 0.0
-
-
-def _invariants(problem: OrbitEquations, node: OrbitNode) -> np.ndarray:
-    """Parameter, period, means and mean squares, in their units."""
-    x, period, p = problem.parts(node.u)
-    weight = problem.grid.quadrature
-    mean = weight @ x
-    return np.concatenate(
-        [p / problem.parameter_units, [period / problem.period_unit], mean / problem.units,
-         np.sqrt(weight @ (x - mean) ** 2) / problem.units]
-    )  # fmt: skip
 
 
 def _hopf_at_end(problem: OrbitEquations, a: OrbitNode, b: OrbitNode) -> list[SpecialPoint]:
@@ -230,43 +120,6 @@ def _hopf_at_end(problem: OrbitEquations, a: OrbitNode, b: OrbitNode) -> list[Sp
         problem.system, "hopf", u[: problem.n], parameters, problem.along, arclength, residual, u[-1:]
     )
     return [point]
-
-
-def _joined(problem: OrbitEquations, halves: list[_Half], beginning: _Beginning) -> OrbitBranch:
-    """Both halves in one direction, the arclength counted from the first point."""
-    forward = halves[-1]
-    nodes, orbits = list(forward.nodes), list(forward.orbits)
-    lengths = [node.arclength for node in nodes]
-    rates = [problem.on(node.grid).tangent_parameters(node) for node in nodes]
-    points, gaps = list(forward.points), list(forward.gaps)
-    if len(halves) == 2:
-        back = halves[0]
-        orbits = back.orbits[:0:-1] + orbits
-        lengths = [-node.arclength for node in back.nodes[:0:-1]] + lengths
-        rates = [-problem.on(node.grid).tangent_parameters(node) for node in back.nodes[:0:-1]] + rates
-        points = [replace(p, arclength=-p.arclength) for p in back.points[::-1]] + points
-        gaps = [
-            replace(g, between=(-g.between[1], -g.between[0]), parameters=g.parameters[::-1], change=-g.change)
-            for g in back.gaps[::-1]
-        ] + gaps
-    if beginning.kind == "hopf" and beginning.point is not None:
-        points.insert(0, replace(beginning.point, arclength=0.0, along=problem.along))
-    shift = lengths[0] if lengths and beginning.kind != "hopf" else 0.0
-    return OrbitBranch(
-        kind="orbits",
-        states=problem.system.states,
-        along=problem.along,
-        parameters=dict(problem.system.parameters),
-        orbits=tuple(orbits),
-        arclength=np.array(lengths) - shift,
-        tangent_parameter=np.array(rates).reshape(len(orbits), len(problem.along)),
-        special=tuple(replace(p, arclength=p.arclength - shift) for p in points),
-        ended=(halves[0].ended if len(halves) == 2 else _BEGUN[beginning.kind], forward.ended),
-        unexplained=tuple(replace(g, between=(g.between[0] - shift, g.between[1] - shift)) for g in gaps),
-    )
-
-
-_BEGUN = {"hopf": Ended.AT_HOPF, "pd": Ended.REVISITED, "orbit": Ended.CLOSED, "bp": Ended.CLOSED}
 
 
 def _start(

@@ -1,0 +1,198 @@
+"""From a start to a finished branch or curve of orbits: walk, read the labels, join the halves."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from rainwind.dynamics.continuation import Walk
+from rainwind.dynamics.orbit_bifurcations import OrbitInspector
+from rainwind.dynamics.orbit_equations import USELESS, OrbitEquations, OrbitNode
+from rainwind.dynamics.orbit_results import Orbit, OrbitBranch
+from rainwind.dynamics.results import Ended, Unexplained
+
+Progress = Callable[[Orbit, int], None]
+Passed = Callable[[OrbitNode, OrbitNode, int], tuple[Ended | None, list[Any]]]
+
+
+@dataclass(frozen=True)
+class Route:
+    """How far a walk along orbits goes, and what it reads.
+
+    window: bounds of unknowns, by number; passed(a, b, count): why a step from node a to node b ends the walk, if it
+    does, and the points to label there; begins: whether the start itself is an orbit of the branch; limit: nodes a
+    direction; longest: period.
+    """
+
+    problem: OrbitEquations
+    window: dict[int, tuple[float, float]]
+    inspector: OrbitInspector
+    ds: float
+    passed: Passed
+    begins: bool = True
+    limit: int = 5000
+    longest: float = np.inf
+    progress: Progress | None = None
+
+
+@dataclass
+class Half:
+    """One direction of a branch, its arclength counted from the start."""
+
+    nodes: list[OrbitNode]
+    orbits: list[Orbit]
+    ended: Ended
+    points: list[Any]
+    gaps: list[Unexplained]
+
+
+def walked(route: Route, start: OrbitNode) -> Half:
+    """Walk from a node in its tangent's direction until something ends it, then read the labels."""
+    problem = route.problem
+    walk = Walk(problem, start, ds=route.ds, window=route.window)
+    nodes, orbits = ([start], [problem.on(start.grid).orbit(start)]) if route.begins else ([], [])
+    before, points, ended = start, [], None
+    try:
+        for node in walk:
+            ended, points = route.passed(before, node, len(nodes))
+            if ended is Ended.CLOSED and orbits:
+                nodes.append(replace(start, arclength=node.arclength))
+                orbits.append(orbits[0])
+            if ended is not None:
+                break
+            orbit = problem.on(node.grid).orbit(node)
+            ended = _unusable(problem, orbit)
+            if ended is not None:
+                break
+            nodes.append(node)
+            orbits.append(orbit)
+            if route.progress is not None:
+                route.progress(orbit, len(orbits))
+            if orbit.period > route.longest:
+                ended = Ended.HOMOCLINIC
+            elif len(nodes) >= route.limit:
+                ended = Ended.TOO_MANY_POINTS
+            if ended is not None:
+                break
+            before = node
+    except KeyboardInterrupt:
+        ended = Ended.INTERRUPTED
+    except SystemError as error:
+        # so numba reports a Ctrl-C that came while a kernel ran
+        if not isinstance(error.__cause__, KeyboardInterrupt):
+            raise
+        ended = Ended.INTERRUPTED
+    found, gaps = route.inspector.read(nodes)
+    return Half(nodes, orbits, ended or walk.ended, [*found, *points], gaps)  # type: ignore[arg-type]
+
+
+def _unusable(problem: OrbitEquations, orbit: Orbit) -> Ended | None:
+    """Why an orbit may not be kept: the model refuses a state of it, or no mesh allowed is fine enough."""
+    refusal = problem.system.refusal
+    if refusal is not None and any(
+        refusal(x, orbit.parameters) is not None for x in orbit.profile[:: orbit.grid.degree]
+    ):
+        return Ended.REFUSED
+    if orbit.mesh_error > USELESS and len(orbit.grid.lengths) >= problem.mesh.most:
+        return Ended.MESH_AT_LIMIT
+    return None
+
+
+def both_ways(route: Route, start: OrbitNode) -> list[Half]:
+    """The halves of a branch: backward, if it is not closed, and forward."""
+    ahead = walked(route, start)
+    if ahead.ended in (Ended.CLOSED, Ended.INTERRUPTED):
+        return [ahead]
+    problem = route.problem.on(start.grid)
+    turned = problem.correct(start, start.u, -start.tangent)
+    if turned is None:
+        return [ahead]
+    return [walked(route, replace(turned, arclength=0.0)), ahead]
+
+
+def joined(
+    kind: str, problem: OrbitEquations, halves: list[Half], first: Ended, extra: list[Any]
+) -> OrbitBranch:
+    """Both halves in one direction, the arclength counted from the first point.
+
+    first: how the branch ends where it began, if there is one half; extra: more points to label.
+    """
+    forward = halves[-1]
+    nodes, orbits = list(forward.nodes), list(forward.orbits)
+    lengths = [node.arclength for node in nodes]
+    rates = [problem.on(node.grid).tangent_parameters(node) for node in nodes]
+    points, gaps = extra + list(forward.points), list(forward.gaps)
+    if len(halves) == 2:
+        back = halves[0]
+        orbits = back.orbits[:0:-1] + orbits
+        lengths = [-node.arclength for node in back.nodes[:0:-1]] + lengths
+        rates = [-problem.on(node.grid).tangent_parameters(node) for node in back.nodes[:0:-1]] + rates
+        points = [replace(p, arclength=-p.arclength) for p in back.points] + points
+        gaps = [
+            replace(
+                g, between=(-g.between[1], -g.between[0]), parameters=g.parameters[::-1], change=-g.change
+            )
+            for g in back.gaps[::-1]
+        ] + gaps
+    points = sorted(points, key=lambda p: p.arclength)
+    shift = min([*lengths[:1], *(p.arclength for p in points[:1])], default=0.0)
+    return OrbitBranch(
+        kind=kind,
+        states=problem.system.states,
+        along=problem.along,
+        parameters=dict(problem.system.parameters),
+        orbits=tuple(orbits),
+        arclength=np.array(lengths) - shift,
+        tangent_parameter=np.array(rates).reshape(len(orbits), len(problem.along)),
+        special=tuple(replace(p, arclength=p.arclength - shift) for p in points),
+        ended=(halves[0].ended if len(halves) == 2 else first, forward.ended),
+        unexplained=tuple(replace(g, between=(g.between[0] - shift, g.between[1] - shift)) for g in gaps),
+    )
+
+
+def swing_turned(problem: OrbitEquations, a: OrbitNode, b: OrbitNode) -> bool:
+    """Whether the orbit shrank to a point between two nodes and came out on the other side of it."""
+    last = problem.on(b.grid)
+    swings = [
+        x - last.grid.quadrature @ x for x in (last.profile(on_grid_of(problem, a, b)), last.profile(b.u))
+    ]
+    return product(last, *swings) < 0
+
+
+def on_grid_of(problem: OrbitEquations, node: OrbitNode, other: OrbitNode) -> np.ndarray:
+    """A node's unknowns, interpolated on the grid of another."""
+    return node.u if node.grid is other.grid else problem.on(node.grid).moved(node.u, other.grid)
+
+
+def product(problem: OrbitEquations, x: np.ndarray, y: np.ndarray) -> float:
+    """The mean product of two profiles over the period, states in their units."""
+    return float(problem.grid.quadrature @ np.sum(x * y / problem.units**2, axis=1))
+
+
+def through_start(problem: OrbitEquations, a: OrbitNode, b: OrbitNode, start: OrbitNode) -> bool:
+    """Whether the walk passes its start between a and b: by quantities that no shift along the orbit changes."""
+    va, vb, v0 = (_invariants(problem.on(node.grid), node) for node in (a, b, start))
+    step = vb - va
+    length = float(np.linalg.norm(step))
+    fraction = float((v0 - va) @ step) / length**2 if length else 0.0
+    if not 0.0 <= fraction < 1.0:
+        return False
+    offset = float(np.linalg.norm(va + fraction * step - v0))
+    rates = [problem.on(node.grid).tangent_parameters(node) for node in (start, b)]
+    return offset < 0.1 * length and offset < 1e-2 and float(rates[0] @ rates[1]) >= 0.0
+
+
+def _invariants(problem: OrbitEquations, node: OrbitNode) -> np.ndarray:
+    """Parameters, period, means and root mean squares, in their units."""
+    x, period, p = problem.parts(node.u)
+    weight = problem.grid.quadrature
+    mean = weight @ x
+    swing = np.sqrt(weight @ (x - mean) ** 2)
+    parts = (
+        p / problem.parameter_units,
+        [period / problem.period_unit],
+        mean / problem.units,
+        swing / problem.units,
+    )
+    return np.concatenate(parts)
