@@ -66,7 +66,7 @@ def _curve(
     check_steps(ds, limit)
     check_states(system, start)
     along = (along,) if isinstance(along, str) else tuple(along)
-    window = _windows(system, along, until)
+    window = windows_of(system, along, until)
     known = {name: value for name, value in start.parameters.items() if name in system.parameters}
     system = system.with_parameters(known)
     for name, (low, high) in zip(along, window, strict=True):
@@ -108,9 +108,10 @@ def _curve(
     return follow(kind, problem, node, numbered, inspector, ds=ds, limit=limit)
 
 
-def _windows(
+def windows_of(
     system: System, along: tuple[str, ...], until: Mapping[str, tuple[float, float]]
 ) -> list[tuple[float, float]]:
+    """The windows of two parameters, in their order. Raises InputError."""
     if len(along) != 2 or along[0] == along[1]:
         raise InputError(f"a curve needs two different parameters, for example ('a', 'b'); got {along!r}")
     if not isinstance(until, Mapping):

@@ -102,5 +102,16 @@ class OrbitCurveEquations(OrbitEquations):
             angle = self.angle(u)
             tests[1] = np.cos(angle) * (np.cos(angle) + 0.5)  # 1:4 and 1:3
         return OrbitCurveNode(
-            u, turned, 0.0, iteration, tests, exponents, None, self.grid, trivial, liouville, age, refreshed(found, at)
+            u,
+            turned,
+            0.0,
+            iteration,
+            tests,
+            exponents,
+            None,
+            self.grid,
+            trivial,
+            liouville,
+            age,
+            refreshed(found, at),
         )

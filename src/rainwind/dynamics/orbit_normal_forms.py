@@ -29,16 +29,16 @@ dtau/dt = 1 + a |xi|^2,  dxi/dt = d xi |xi|^2.
 
 w spans the null space of L's adjoint (with v's boundary condition; in (3) also <w, f> = 0): what makes (2), (6), (11)
 solvable. h and h11 are fixed up to multiples of f, which change nothing. As published, (1) has k = 1 and xi is scaled
-to suit; here k may vanish, as it does where neighbouring cycles have equal periods, and v is normalised everywhere alike:
+to suit; here k may vanish, as it does where neighbouring cycles have equal periods, and v is normalised alike in all:
 
     mean over the period of |v / units|^2 = 1;  in (1) also mean of <v / units, f / units> = 0.   (13)
 
-xi is then the amplitude of the critical disturbance in those units. In the article the integral of |v|^2 over the period
-is 1: its c and Re d are ours divided by T. Other units or coordinates change the size of a coefficient, never its sign;
-that of b turns with v (`lpc_form`).
+xi is then the amplitude of the critical disturbance in those units. The article's integral of |v|^2 over T is 1, and
+its c and Re d are ours divided by T. Other units or coordinates change the size of a coefficient, never its sign; that
+of b turns with v (`lpc_form`).
 
-Discretised, L is the matrix of `sparse_collocation`, bordered by f where f is in its kernel, and w its left null vector,
-so that the solvability conditions are those of the discrete equations themselves; B and C come from the tape.
+Discretised, L is the matrix of `sparse_collocation`, bordered by f where f is in its kernel, w its left null vector, so
+that the solvability conditions are those of the discrete equations themselves; B and C come from the tape.
 """
 
 from dataclasses import dataclass
@@ -255,8 +255,8 @@ def _null_vectors(matrix: sparse.csc_array) -> tuple[np.ndarray, np.ndarray, flo
 
     M v + p g = 0, q* v = 1 and the adjoint equations (Govaerts 2000, sec. 3.2), the borders turned to the answer twice.
     """
-    k = matrix.shape[0]
-    p, q = np.random.default_rng(0).normal(size=(2, k)) / np.sqrt(k)
+    k = matrix.indptr.size - 1
+    p, q = (np.random.default_rng(seed).normal(size=k) for seed in (0, 1))
     border, last = np.inf, np.append(np.zeros(k), 1.0)
     for _ in range(3):
         whole = bordered(matrix, p.reshape(-1, 1), q.conj().reshape(1, -1), [[0.0]])

@@ -256,7 +256,7 @@ def _value(point: OrbitPoint, name: str) -> float:
 
 ORBIT_KINDS = (
     "lpc", "pd", "ns", "bp", "hopf",
-    "cpc", "ch", "gpd", "gh", "r1", "r2", "r3", "r4", "foldflip", "lpns", "pdns", "nsns",
+    "cpc", "ch", "gpd", "gh", "zh", "event", "r1", "r2", "r3", "r4", "foldflip", "lpns", "pdns", "nsns",
 )  # fmt: skip
 _BAD_ENDS = (
     Ended.STEP_TOO_SMALL, Ended.NOT_FINITE, Ended.TOO_MANY_POINTS, Ended.MESH_AT_LIMIT,

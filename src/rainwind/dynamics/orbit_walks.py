@@ -160,6 +160,14 @@ def swing_turned(problem: OrbitEquations, a: OrbitNode, b: OrbitNode) -> bool:
     return product(last, *swings) < 0
 
 
+def swing_size(problem: OrbitEquations, node: OrbitNode) -> float:
+    """The root mean square of an orbit about its mean, states in their units."""
+    here = problem.on(node.grid)
+    x = here.profile(node.u)
+    swing = x - here.grid.quadrature @ x
+    return float(np.sqrt(product(here, swing, swing)))
+
+
 def on_grid_of(problem: OrbitEquations, node: OrbitNode, other: OrbitNode) -> np.ndarray:
     """A node's unknowns, interpolated on the grid of another."""
     return node.u if node.grid is other.grid else problem.on(node.grid).moved(node.u, other.grid)

@@ -1,0 +1,152 @@
+"""Codimension-two points on curves of orbits: cpc, gpd, ch, r1 to r4, foldflip, lpns, pdns, nsns."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from rainwind.dynamics import floquet
+from rainwind.dynamics.continuation import zero_between
+from rainwind.dynamics.inspection import Changes, Probe
+from rainwind.dynamics.orbit_bifurcations import Complex, OrbitInspector, near_circle
+from rainwind.dynamics.orbit_curve_equations import OrbitCurveEquations, OrbitCurveNode
+from rainwind.dynamics.orbit_normal_forms import near_resonance, ns_coefficient, pd_coefficient
+from rainwind.dynamics.orbit_results import OrbitPoint
+from rainwind.dynamics.results import Certificate
+
+# nodes from one look at the normal-form coefficient of pd and ns to the next: it costs as much as several nodes
+_STRIDE = 4
+SMALLEST_ANGLE = 0.005  # rad from 0 or pi at which an ns curve is taken to end in a 1:1 or 1:2 resonance
+
+
+def curve_inspector(problem: OrbitCurveEquations) -> OrbitInspector:
+    """Reads a curve of lpc, pd or ns."""
+    continuous = {"lpc": (True, False), "pd": (False, False), "ns": (False, True)}[problem.kind]
+    return OrbitInspector(
+        problem,
+        continuous,
+        _CLASSIFY[problem.kind],
+        _locate,
+        watch=lambda node: free_exponents(problem, node),
+    )
+
+
+def free_exponents(problem: OrbitCurveEquations, node: Any) -> Complex:
+    """The exponents of a node but those that the curve holds on the unit circle."""
+    rest = node.eigenvalues
+    angle = problem.angle(node.u)
+    for target in (1j * angle, -1j * angle) if problem.kind == "ns" else (1j * angle,):
+        rest = np.delete(rest, np.argmin(np.abs(np.exp(1j * rest.imag) - np.exp(target)) + np.abs(rest.real)))
+    return near_circle(rest)
+
+
+def _on_lpc(changes: Changes) -> str | None:
+    shape = (changes.tests[0], len(changes.real), len(changes.negative), len(changes.pairs))
+    return {
+        (True, 0, 0, 0): "cpc", (False, 1, 0, 0): "r1", (False, 0, 1, 0): "foldflip", (False, 0, 0, 2): "lpns",
+    }.get(shape)  # fmt: skip
+
+
+def _on_pd(changes: Changes) -> str | None:
+    shape = (len(changes.real), len(changes.negative), len(changes.pairs))
+    return {(1, 0, 0): "foldflip", (0, 1, 0): "r2", (0, 0, 2): "pdns"}.get(shape)
+
+
+def _on_ns(changes: Changes) -> str | None:
+    shape = (changes.tests[1], len(changes.real), len(changes.negative), len(changes.pairs))
+    return {
+        (True, 0, 0, 0): "r34", (False, 1, 0, 0): "lpns", (False, 0, 1, 0): "pdns", (False, 0, 0, 2): "nsns",
+    }.get(shape)  # fmt: skip
+
+
+_CLASSIFY = {"lpc": _on_lpc, "pd": _on_pd, "ns": _on_ns}
+
+
+def _locate(
+    problem: OrbitCurveEquations, kind: str, a: Probe, b: Probe, changes: Changes
+) -> OrbitPoint | None:
+    """The zero of the one value that vanishes at this kind of point, along corrected points of the curve."""
+    column = (changes.real or changes.negative or changes.pairs or (None,))[0]
+
+    def value(node: OrbitCurveNode) -> float:
+        if column is None:
+            return float(node.tests[0 if kind == "cpc" else 1])
+        return float(floquet.matched(a.watched, free_exponents(problem, node))[column].real)
+
+    node = zero_between(problem, a.node, b.node, value)
+    if node is None:
+        return None
+    if kind == "r34":
+        kind = "r3" if abs(np.cos(problem.angle(node.u)) + 0.5) < 0.25 else "r4"
+    return describe(problem, kind, node, value(node))
+
+
+def describe(
+    problem: OrbitCurveEquations, kind: str, node: OrbitCurveNode, here: float, **more: Any
+) -> OrbitPoint:
+    """A labelled point of a curve with its certificate."""
+    orbit = problem.orbit(node)
+    checks = {"value that vanishes": (here, 1e-6)}
+    # where multipliers meet on the circle they move like the root of the error
+    loose = 1e-3 if kind in ("r1", "r2", "foldflip") else 1e-6
+    nearest = np.min(np.abs(node.eigenvalues - 1j * problem.angle(node.u)))
+    checks["critical multiplier"] = (float(nearest), loose)
+    return OrbitPoint(
+        kind, problem.system.states, orbit.profile[0], orbit.parameters, problem.along, node.eigenvalues,
+        node.arclength, Certificate(orbit.residual, checks, {"mesh error": orbit.mesh_error}),
+        orbit=orbit, angle=problem.angle(node.u) if problem.kind == "ns" else None, **more,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Looked:
+    """A node at which the normal-form coefficient was computed."""
+
+    node: OrbitCurveNode
+    coefficient: float
+
+
+def degenerate_points(problem: OrbitCurveEquations, nodes: Sequence[OrbitCurveNode]) -> list[OrbitPoint]:
+    """Where the normal-form coefficient of a pd or ns curve vanishes: gpd or ch.
+
+    It is looked at every few nodes, so that two zeros between looks are missed.
+    """
+    if problem.kind == "lpc":
+        return []
+    looks = [_Looked(node, coefficient(problem, node)) for node in [*nodes[::_STRIDE], *nodes[-1:]]]
+    position = {id(node): i for i, node in enumerate(nodes)}
+    points = []
+    for a, b in pairwise(looks):
+        if not a.coefficient * b.coefficient < 0:
+            continue
+        between = nodes[position[id(a.node)] : position[id(b.node)] + 1]
+        for first, last in pairwise([_Looked(node, coefficient(problem, node)) for node in between]):
+            if first.coefficient * last.coefficient < 0:
+                points += _zero_of_coefficient(problem, first, last)
+    return points
+
+
+def coefficient(problem: OrbitCurveEquations, node: OrbitCurveNode) -> float:
+    """The normal-form coefficient at a node of a pd or ns curve."""
+    here = problem.on(node.grid)
+    if problem.kind == "pd":
+        return pd_coefficient(here, node.u)
+    angle = problem.angle(node.u)
+    return float("nan") if near_resonance(angle) else ns_coefficient(here, node.u, angle)
+
+
+def _zero_of_coefficient(problem: OrbitCurveEquations, a: _Looked, b: _Looked) -> list[OrbitPoint]:
+    here = problem.on(b.node.grid)
+    probe = curve_inspector(here).on_grid(Probe(a.node, free_exponents(here, a.node), np.zeros(0)))
+    if probe is None:
+        return []
+    node = zero_between(here, probe.node, b.node, lambda node: coefficient(here, node))
+    if node is None:
+        return []
+    left = coefficient(here, node)
+    if not abs(left) < 1e-3 * min(abs(a.coefficient), abs(b.coefficient)):
+        return []  # a change of sign through a pole
+    point = describe(here, "gpd" if problem.kind == "pd" else "ch", node, left)
+    return [replace(point, coefficient=left)]

@@ -1,0 +1,204 @@
+"""Curves of folds, period doublings and Neimark-Sacker points of orbits in two parameters."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from rainwind.dynamics.branches import check_states, check_steps
+from rainwind.dynamics.collocation import Grid, Mesh
+from rainwind.dynamics.curves import windows_of
+from rainwind.dynamics.nodes import Node
+from rainwind.dynamics.orbit_codimension_two import (
+    SMALLEST_ANGLE,
+    curve_inspector,
+    degenerate_points,
+    describe,
+)
+from rainwind.dynamics.orbit_curve_equations import OrbitCurveEquations, OrbitCurveNode
+from rainwind.dynamics.orbit_results import OrbitBranch, OrbitPoint
+from rainwind.dynamics.orbit_walks import (
+    Half,
+    Progress,
+    Route,
+    both_ways,
+    joined,
+    swing_size,
+    swing_turned,
+    through_start,
+)
+from rainwind.dynamics.results import Ended
+from rainwind.dynamics.system import System, as_system
+from rainwind.errors import ComputationError, InputError
+
+Windows = Mapping[str, tuple[float, float]]
+
+
+def continue_lpc(
+    model: Any,
+    along: Sequence[str],
+    *,
+    start: OrbitPoint,
+    until: Windows,
+    ds: float = 0.05,
+    mesh: Mesh | None = None,
+    limit: int = 5000,
+    progress: Progress | None = None,
+) -> OrbitBranch:
+    """The curve of folds of cycles through a fold (lpc, or cpc, lpns on such a curve) in two parameters.
+
+    until: a window for each parameter, which counts as 20 units of arclength; the rest as `continue_orbits`. Special
+    points: cpc, r1, foldflip, lpns; gh where the curve ends in a generalised Hopf point. Raises InputError for bad
+    input and ComputationError when the curve could not be started.
+    """
+    _allowed(start, ("lpc", "cpc", "lpns"), "continue_lpc")
+    return _curve("lpc", as_system(model), along, start, until, ds, mesh, limit, progress)
+
+
+def continue_pd(
+    model: Any,
+    along: Sequence[str],
+    *,
+    start: OrbitPoint,
+    until: Windows,
+    ds: float = 0.05,
+    mesh: Mesh | None = None,
+    limit: int = 5000,
+    progress: Progress | None = None,
+) -> OrbitBranch:
+    """The curve of period doublings through one (pd, or gpd, pdns on such a curve) in two parameters.
+
+    Special points: gpd, r2, foldflip, pdns. Arguments and errors as `continue_lpc`.
+    """
+    _allowed(start, ("pd", "gpd", "pdns"), "continue_pd")
+    return _curve("pd", as_system(model), along, start, until, ds, mesh, limit, progress)
+
+
+def continue_ns(
+    model: Any,
+    along: Sequence[str],
+    *,
+    start: OrbitPoint,
+    until: Windows,
+    ds: float = 0.05,
+    mesh: Mesh | None = None,
+    limit: int = 5000,
+    progress: Progress | None = None,
+) -> OrbitBranch:
+    """The curve of Neimark-Sacker points through one (ns, or ch, r3, r4 on such a curve) in two parameters.
+
+    Special points: ch, r3, r4, lpns, pdns, nsns; r1 and r2 where the curve ends, for beyond them the multipliers are
+    real. Arguments and errors as `continue_lpc`.
+    """
+    _allowed(start, ("ns", "ch", "r3", "r4", "nsns"), "continue_ns")
+    return _curve("ns", as_system(model), along, start, until, ds, mesh, limit, progress)
+
+
+def _curve(
+    kind: str,
+    system: System,
+    along: Sequence[str],
+    start: OrbitPoint,
+    until: Windows,
+    ds: float,
+    mesh: Mesh | None,
+    limit: int,
+    progress: Progress | None,
+) -> OrbitBranch:
+    check_steps(ds, limit)
+    check_states(system, start)
+    along = (along,) if isinstance(along, str) else tuple(along)
+    bounds = windows_of(system, along, until)
+    known = {name: value for name, value in start.parameters.items() if name in system.parameters}
+    system = system.with_parameters(known)
+    for name, (low, high) in zip(along, bounds, strict=True):
+        if not low <= system.parameters[name] <= high:
+            raise InputError(
+                f"start: {name} = {system.parameters[name]:g} lies outside until = ({low:g}, {high:g}); "
+                "move one of them"
+            )
+    problem, node = _first(kind, system, along, start, bounds, mesh)
+
+    def passed(a: Any, b: Any, count: int) -> tuple[Ended | None, list[Any]]:
+        if swing_turned(problem, a, b):
+            return Ended.AT_HOPF, []
+        if count >= 3 and through_start(problem, a, b, node):
+            return Ended.CLOSED, []
+        return None, []
+
+    window = problem.window(bounds)
+    if kind == "ns":
+        window[-1] = (SMALLEST_ANGLE, np.pi - SMALLEST_ANGLE)
+    route = Route(problem, window, curve_inspector(problem), ds, passed, limit=limit, progress=progress)
+    halves = both_ways(route, node)
+    for half in halves:
+        half.points += degenerate_points(problem, half.nodes)  # type: ignore[arg-type]
+        _name_the_end(problem, half)
+    return joined(kind, problem, halves, halves[0].ended, [])
+
+
+def _first(
+    kind: str,
+    system: System,
+    along: tuple[str, ...],
+    start: OrbitPoint,
+    bounds: list[tuple[float, float]],
+    mesh: Mesh | None,
+) -> tuple[OrbitCurveEquations, OrbitCurveNode]:
+    """The problem of a curve and its first node, its tangent towards a larger first parameter."""
+    orbit, grid, x = start.orbit, start.orbit.grid, start.orbit.profile
+    units = np.maximum(1.0, np.abs(x).max(axis=0))
+    if mesh is not None and (grid.degree != mesh.degree or len(grid.lengths) != mesh.intervals):
+        other = Grid(grid.adapted(x, units, mesh.intervals).times, mesh.degree)
+        x, grid = grid.at(x, other.nodes), other
+    mesh = mesh or Mesh(len(grid.lengths), grid.degree)
+    parameter_units = np.array([(high - low) / 20.0 for low, high in bounds])
+    problem = OrbitCurveEquations(system, along, grid, units, orbit.period, parameter_units, mesh, kind=kind)
+    values = [system.parameters[name] for name in along]
+    angle = [float(start.angle or 0.0)] if kind == "ns" else []
+    u = np.concatenate([x.ravel(), [orbit.period], values, angle])
+    first = problem.profile_size + 1
+    for k in (first + 1, first):  # the second parameter held first: the start was found in the first
+        tangent = np.zeros_like(u)
+        tangent[k] = 1.0
+        node = problem.correct(Node(u, tangent), u, tangent)
+        if node is not None:
+            break
+    else:
+        raise ComputationError(f"the {kind} curve could not be started from {start}")
+    lead = first if abs(node.tangent[first]) > 1e-9 else first + 1
+    if node.tangent[lead] < 0:
+        node = problem.correct(node, node.u, -node.tangent) or node
+    return problem, node
+
+
+def _name_the_end(problem: OrbitCurveEquations, half: Half) -> None:
+    """An ns curve that ended at angle 0 or pi ended in a resonance or, if the orbits vanish there, in a fold-Hopf point."""
+    if problem.kind != "ns" or half.ended is not Ended.AT_BOUND or len(half.nodes) < 3:
+        return
+    nodes: list[Any] = half.nodes[-2:]
+    angles = [problem.angle(node.u) for node in nodes]
+    kind = "r1" if angles[-1] < 0.5 * np.pi else "r2"
+    offsets = [angle if kind == "r1" else np.pi - angle for angle in angles]
+    if offsets[-1] > 1.01 * SMALLEST_ANGLE:
+        return
+    sizes = [swing_size(problem, node) for node in nodes]
+    slope = (sizes[0] - sizes[1]) / (offsets[0] - offsets[1])
+    if kind == "r1" and abs(sizes[1] - slope * offsets[1]) < 0.1 * abs(slope * offsets[1]):
+        kind = "zh"
+    values = [np.array(list(problem.on(node.grid).named(node.u).values())) for node in nodes]
+    # parameters are smooth in the square of the angle: on to zero along a straight line
+    rest = offsets[1] ** 2 / (offsets[0] ** 2 - offsets[1] ** 2)
+    at_end = values[1] + rest * (values[1] - values[0])
+    here = problem.on(nodes[-1].grid)
+    point = describe(here, kind, nodes[-1], 0.0, note=f"extrapolated from an angle of {offsets[1]:.2g} rad")
+    parameters = {**point.parameters, **dict(zip(problem.along, at_end.tolist(), strict=True))}
+    half.points.append(replace(point, parameters=parameters))
+    half.ended = Ended.AT_RESONANCE if kind != "zh" else Ended.AT_HOPF
+
+
+def _allowed(start: Any, kinds: tuple[str, ...], caller: str) -> None:
+    if not isinstance(start, OrbitPoint) or start.kind not in kinds:
+        given = getattr(start, "kind", type(start).__name__)
+        raise InputError(f"{caller} starts from a labelled orbit ({', '.join(kinds)}); got {given}")
