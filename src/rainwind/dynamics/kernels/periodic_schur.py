@@ -322,9 +322,8 @@ def _sweep(h, r, low, high, exceptional):
     s, t = m00 + m11, m00 * m11 - m01 * m10
     half = 0.5 * (m00 - m11)
     square = half * half + m01 * m10
-    if (
-        square >= 0.0
-    ):  # twice the root nearer to m11: two real shifts, each near another complex pair, would stall
+    if square >= 0.0:
+        # twice the root nearer to m11: two real ones, each between another complex pair, would stall
         z = half + math.copysign(np.sqrt(square), half)
         root = m11 - m01 * m10 / z if z != 0.0 else m11
         s, t = 2.0 * root, root * root
