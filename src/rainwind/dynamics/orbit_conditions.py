@@ -3,8 +3,9 @@
 The linearised collocation equations L phi - f phi_T - T f_p phi_p = 0 with phi(1) - z phi(0) + w g = 0 and one row
 v'(phi(0), phi_T, phi_p) = 1 define g; it vanishes where the operator without borders is singular (Doedel, Govaerts &
 Kuznetsov, SIAM J. Numer. Anal. 41 (2003) 401). z = 1 with phi_T at a fold of cycles (lpc), with phi_T and phi_p at a
-branch point (bp), where there are two rows v and two scalars; z = -1 at a period doubling (pd); z = exp(i theta) and phi_T
-at a Neimark-Sacker point (ns), where g is complex. Where phi_T is unknown, one more row forbids shifts along the orbit. With psi from the transposed system dg = -psi' d(operator) phi.
+branch point (bp), where there are two rows v and two scalars; z = -1 at a period doubling (pd); z = exp(i theta) and
+phi_T at a Neimark-Sacker point (ns), where g is complex. Where phi_T is unknown, one more row forbids shifts along
+the orbit. With psi from the transposed system dg = -psi' d(operator) phi.
 
 The chain of intervals is reduced to its ends first, so that everything here is a dense system of 2 n + a few unknowns
 (x_0, x_N, phi_T, phi_p, g), and multipliers of any size do no harm.
@@ -58,6 +59,10 @@ class Condition:
     def values(self) -> np.ndarray:
         """The scalars as real numbers (conditions,)."""
         return np.array([self.g[0].real, self.g[0].imag]) if self.kind == "ns" else self.g.real
+
+
+# (a, b, sign) of the real part and of the imaginary part of psi' phi, from parts a of psi and b of phi
+_PRODUCTS = (((0, 0, 1.0), (1, 1, -1.0)), ((0, 1, 1.0), (1, 0, 1.0)))
 
 
 def multiplier_of(kind: str, angle: float) -> complex:
@@ -173,11 +178,7 @@ def slopes(problem: OrbitEquations, u: np.ndarray, at: Linearised, found: Condit
         by_state, by_period, by_parameter = contracted(
             tape, points, free, phis, np.ascontiguousarray(rests[:, :, 0]), psis, period
         )
-        if found.kind == "ns":
-            pairs_of = [((0, 0, 1.0), (1, 1, -1.0)), ((0, 1, 1.0), (1, 0, 1.0))]
-        else:
-            pairs_of = [((0, 0, 1.0),)]
-        for terms in pairs_of:
+        for terms in _PRODUCTS if found.kind == "ns" else (_PRODUCTS[0][:1],):
             row = np.zeros(size + 1 + len(free))
             at_points = sum(sign * by_state[a, b] for a, b, sign in terms)
             nodal = np.einsum(

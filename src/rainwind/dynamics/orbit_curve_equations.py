@@ -57,7 +57,7 @@ class OrbitCurveEquations(OrbitEquations):
         right[-1, 1] = 1.0
         u = u.copy()
         borders = near.critical if isinstance(near, OrbitCurveNode) else None
-        converged = False
+        sizes: list[float] = []
         for iteration in range(NEWTON_LIMIT):
             at = self.linearise(u)
             try:
@@ -80,12 +80,12 @@ class OrbitCurveEquations(OrbitEquations):
             step = np.concatenate([x[:, :, 0].ravel(), lam[:, 0]])
             if not np.all(np.isfinite(step)):
                 return None
-            if converged:
+            u += step
+            if self.settled(sizes):
                 turned = np.concatenate([x[:, :, 1].ravel(), lam[:, 1]]) / self.scale
                 turned /= np.linalg.norm(turned)
                 return self._node(near, u, turned, iteration, at, found, by[:scalars])
-            u += step
-            converged = self.change(step, u) < self.tolerance
+            sizes.append(self.change(step, u))
         return None
 
     def _node(self, near, u, turned, iteration, at: Linearised, found, by) -> OrbitCurveNode:  # type: ignore[no-untyped-def]

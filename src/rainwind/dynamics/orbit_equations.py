@@ -207,7 +207,7 @@ class OrbitEquations:
         right = np.zeros((2, 2))
         right[1, 1] = 1.0
         u = u.copy()
-        converged = False
+        sizes: list[float] = []
         for iteration in range(NEWTON_LIMIT):
             at = self.linearise(u)
             right[:, 0] = target - [rows[0] @ u[:size], across @ u]
@@ -215,10 +215,8 @@ class OrbitEquations:
             step = np.concatenate([x[:, :, 0].ravel(), lam[:, 0]])
             if not np.all(np.isfinite(step)):
                 return None
-            if not converged:
-                u += step
-            length = self.change(step, u)
-            if converged:
+            u += step
+            if self.settled(sizes):
                 turned = np.concatenate([x[:, :, 1].ravel(), lam[:, 1]]) / self.scale
                 turned /= np.linalg.norm(turned)
                 tests = np.array([turned[size + 1], sign * at.sign])
@@ -227,8 +225,19 @@ class OrbitEquations:
                 return OrbitNode(
                     u, turned, 0.0, iteration, tests, exponents, None, self.grid, trivial, liouville, age
                 )
-            converged = length < self.tolerance
+            sizes.append(self.change(step, u))
         return None
+
+    def settled(self, sizes: list[float]) -> bool:
+        """Whether Newton's last step leaves an error below the tolerance, foretold from its quadratic convergence.
+
+        One more step is made then all the same: it comes with the tangent.
+        """
+        if not sizes or sizes[-1] < self.tolerance:
+            return bool(sizes)
+        if len(sizes) < 2 or sizes[-1] > 0.01:
+            return False
+        return sizes[-1] * (sizes[-1] / sizes[-2]) ** 2 < 0.1 * self.tolerance
 
     def change(self, step: np.ndarray, u: np.ndarray) -> float:
         """The size of a step: the largest change of any unknown, as a share of its unit and its own size."""
