@@ -1,4 +1,4 @@
-"""Regenerate `reference.json`; from the root: `python -m tests.validation.auto.make_reference`."""
+"""Regenerate `reference.json`; from the root: `python -m tests.validation.auto.make_reference` (about ten minutes)."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from .auto_runner import Auto, Constants, LabelledPoint, Run, auto_version
+from .orbit_reference import orbit_records
 from .sample_case import (
     EQUATIONS,
     EQUILIBRIA,
@@ -116,6 +117,7 @@ def compute(folder: Path) -> dict[str, Any]:
         "meaning": MEANING,
         "accuracy": accuracy(auto, branch),
         "points": data,
+        "orbits": orbit_records(auto),
         "constants": {name: dict(c) for name, c in constants.items()},
     }
 
