@@ -206,7 +206,7 @@ def test_small_integers_converge(seed, n, count):
 
 
 def test_two_pairs_each_drawing_one_real_shift():
-    """Shifts at the real parts of two pairs reduce both alike: Francis' own choice of shifts takes over forty sweeps."""
+    """Shifts at the real parts of two pairs reduce both alike: Francis' own take over forty sweeps."""
     a = [[1, 0, 0, 0, -1], [-1, -1, -1, -1, 0], [-1, -1, -1, 1, 1], [-1, 0, 0, 1, 1], [-1, -1, 0, 0, -1]]
     a = np.array(a, dtype=float)[None]
     assert furthest(log_multipliers(a), exact(a, 50)) < 1e-13
