@@ -105,7 +105,7 @@ def test_a_singular_system_gives_no_numbers():
 
 
 def test_borders_stand_where_they_should():
-    matrix = operator(uneven(3, 2), np.zeros((6, 1, 1)), 1.0)
+    matrix = operator(uneven(4, 2), np.zeros((8, 1, 1)), 1.0)
     k = matrix.shape[0]
     whole = bordered(matrix, np.full((k, 1), 2.0), np.full((1, k), 3.0), [[5.0]]).toarray()
     assert whole[:-1, -1].tolist() == [2.0] * k
