@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from rainwind.dynamics.collocation import Mesh as Mesh
     from rainwind.dynamics.curves import continue_fold as continue_fold
     from rainwind.dynamics.curves import continue_hopf as continue_hopf
+    from rainwind.dynamics.diagram import diagram as diagram
+    from rainwind.dynamics.diagram_results import Diagram as Diagram
     from rainwind.dynamics.equilibria import continue_equilibria as continue_equilibria
     from rainwind.dynamics.equilibria import find_equilibria as find_equilibria
     from rainwind.dynamics.equilibria import find_equilibrium as find_equilibrium
@@ -55,6 +57,8 @@ _HOME = {
     "Mesh": "dynamics.collocation",
     "continue_fold": "dynamics.curves",
     "continue_hopf": "dynamics.curves",
+    "diagram": "dynamics.diagram",
+    "Diagram": "dynamics.diagram_results",
     "continue_equilibria": "dynamics.equilibria",
     "find_equilibria": "dynamics.equilibria",
     "find_equilibrium": "dynamics.equilibria",

@@ -44,7 +44,7 @@ def find_equilibria(model: Any, *, starts: Sequence[Any] | None = None) -> Equil
             np.allclose(solution[0], other.state, rtol=1e-9, atol=1e-12) for other in found
         )
         if solution is not None and not known:
-            found.append(_equilibrium(system, solution[0]))
+            found.append(as_equilibrium(system, solution[0]))
         elif starts is None:
             complete, note = False, "Newton could not tell apart or confirm every equilibrium that was listed"
     return Equilibria(tuple(found), complete, note)
@@ -59,7 +59,7 @@ def find_equilibrium(model: Any, start: Any = None) -> Equilibrium:
         raise ComputationError(
             f"Newton found no equilibrium from {dict(zip(system.states, guess.tolist(), strict=True))}"
         )
-    return _equilibrium(system, solution[0])
+    return as_equilibrium(system, solution[0])
 
 
 def continue_equilibria(
@@ -104,7 +104,7 @@ def walk_equilibria(
         raise ComputationError(f"the walk could not be started towards smaller {along}")
     n = len(problem.system.states)
     return (
-        _equilibrium(problem.system.with_parameters({along: float(point.u[n])}), point.u[:n])
+        as_equilibrium(problem.system.with_parameters({along: float(point.u[n])}), point.u[:n])
         for point in itertools.chain([turned], Walk(problem, turned, ds=ds, window=window))
     )
 
@@ -154,7 +154,8 @@ def _start(
     return problem, node, {len(system.states): (low, high)}
 
 
-def _equilibrium(system: System, state: np.ndarray) -> Equilibrium:
+def as_equilibrium(system: System, state: np.ndarray) -> Equilibrium:
+    """A state that rests, with its eigenvalues and residual."""
     eigenvalues = spectrum(system.jacobian(state))
     residual = float(np.max(np.abs(system.f(state))))
     return Equilibrium(system.states, state, dict(system.parameters), eigenvalues, residual)

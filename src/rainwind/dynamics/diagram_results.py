@@ -1,0 +1,249 @@
+"""Everything about a system in one parameter: all branches, their points, what exists and what is stable where."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from rainwind.dynamics.crossings import equilibria_at, orbits_at, same_orbit, same_state
+from rainwind.dynamics.orbit_results import ORBIT_KINDS, Orbit, OrbitBranch, OrbitPoint
+from rainwind.dynamics.results import KINDS, Branch, Ended, Equilibrium, SpecialPoint
+from rainwind.dynamics.system import System, number
+from rainwind.errors import InputError
+from rainwind.parameters import unknown_name
+
+_MANY = 3  # unexplained changes of one branch that an audit tells one by one
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Coexisting:
+    """What exists at one value of the parameter: equilibria and orbits, each once, and where each comes from.
+
+    equilibrium_branches, orbit_branches: the number of the diagram's branch that each lies on.
+    """
+
+    along: str
+    value: float
+    equilibria: tuple[Equilibrium, ...]
+    orbits: tuple[Orbit, ...]
+    equilibrium_branches: tuple[int, ...]
+    orbit_branches: tuple[int, ...]
+
+    @property
+    def stable(self) -> tuple[Equilibrium | Orbit, ...]:
+        """The attractors among them."""
+        return tuple(one for one in (*self.equilibria, *self.orbits) if one.stable)
+
+    def __len__(self) -> int:
+        return len(self.equilibria) + len(self.orbits)
+
+    def __repr__(self) -> str:
+        lines = [
+            f"<at {self.along} = {self.value:.8g}: {len(self.equilibria)} equilibria, {len(self.orbits)} orbits"
+        ]
+        lines += [f"  {one!r}" for one in self.equilibria]
+        for orbit in self.orbits:
+            swing = ", ".join(f"{name} +-{size:.4g}" for name, size in orbit.amplitude.items())
+            lines.append(f"  {orbit!r}: {swing}")
+        return "\n".join(lines) + ">"
+
+
+@dataclass(frozen=True)
+class StableRange:
+    """Values of the parameter between which the same branches are stable: their numbers in the diagram."""
+
+    low: float
+    high: float
+    equilibria: tuple[int, ...]
+    orbits: tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Diagram:
+    """All branches of equilibria and of periodic orbits found in one parameter.
+
+    notes: what could not be started or followed, in sentences; interrupted: whether the user stopped the work, so
+    that branches are missing.
+    """
+
+    system: System
+    along: str
+    until: tuple[float, float]
+    equilibria: tuple[Branch, ...]
+    orbits: tuple[OrbitBranch, ...]
+    notes: tuple[str, ...] = ()
+    interrupted: bool = False
+
+    def points(self, kind: str | None = None) -> tuple[Any, ...]:
+        """The special points of one kind, or all, of all branches: each once, by rising parameter."""
+        known = tuple(dict.fromkeys((*KINDS, *ORBIT_KINDS)))
+        if kind is not None and kind not in known:
+            raise unknown_name(kind, known, "kind of special point")
+        found: list[Any] = []
+        for branch in (*self.equilibria, *self.orbits):
+            for point in branch.special:
+                if kind in (None, point.kind) and not any(self.same_point(point, other) for other in found):
+                    found.append(point)
+        return tuple(sorted(found, key=lambda point: point.parameter))
+
+    def same_point(self, a: SpecialPoint, b: SpecialPoint) -> bool:
+        """Whether two labels stand for one point."""
+        return same_point(a, b, 1e-6 * (self.until[1] - self.until[0]))
+
+    def at(self, value: float) -> Coexisting:
+        """All equilibria and orbits at one value of the parameter, computed there. InputError outside `until`."""
+        value = number(value, self.along)
+        low, high = self.until
+        if not low <= value <= high:
+            raise InputError(
+                f"{self.along} = {value:g} lies outside the diagram, which goes from {low:g} to {high:g}"
+            )
+        equilibria: list[tuple[Equilibrium, int]] = []
+        orbits: list[tuple[Orbit, int]] = []
+        for k, branch in enumerate(self.equilibria):
+            for one in equilibria_at(self.system, branch, value):
+                if not any(same_state(one.state, other.state) for other, _ in equilibria):
+                    equilibria.append((one, k))
+        for k, orbit_branch in enumerate(self.orbits):
+            for orbit in orbits_at(self.system, orbit_branch, value):
+                if not any(same_orbit(orbit, other) for other, _ in orbits):
+                    orbits.append((orbit, k))
+        return Coexisting(
+            self.along, value, tuple(e for e, _ in equilibria), tuple(o for o, _ in orbits),
+            tuple(k for _, k in equilibria), tuple(k for _, k in orbits),
+        )  # fmt: skip
+
+    def stable_at(self, value: float) -> tuple[Equilibrium | Orbit, ...]:
+        """The attractors at one value of the parameter, equilibria first."""
+        return self.at(value).stable
+
+    def stable_ranges(self) -> tuple[StableRange, ...]:
+        """The whole range of the parameter in pieces, each with the branches that are stable on it."""
+        least = 1e-9 * (self.until[1] - self.until[0])
+        runs = [(k, 0, run) for k, b in enumerate(self.equilibria) for run in stable_runs(b)]
+        runs += [(k, 1, run) for k, b in enumerate(self.orbits) for run in stable_runs(b)]
+        ends = sorted({*self.until, *(end for _, _, run in runs for end in run)})
+        edges = [a for a, b in zip(ends, [*ends[1:], np.inf], strict=True) if b - a > least]
+        edges[0], edges[-1] = self.until
+        found: list[StableRange] = []
+        for low, high in pairwise(edges):
+            middle = 0.5 * (low + high)
+            numbers = [
+                tuple(sorted({k for k, what, (a, b) in runs if what == kind and a < middle < b}))
+                for kind in (0, 1)
+            ]
+            if found and (found[-1].equilibria, found[-1].orbits) == tuple(numbers):
+                low = found.pop().low
+            found.append(StableRange(low, high, numbers[0], numbers[1]))
+        return tuple(found)
+
+    def audit(self) -> list[str]:
+        """Everything about this diagram that a careful reader should know before trusting it."""
+        faults = ["interrupted by the user: branches are missing"] if self.interrupted else []
+        for name, branches in (("equilibria", self.equilibria), ("orbits", self.orbits)):
+            for k, branch in enumerate(branches):
+                gaps = [str(gap) for gap in branch.unexplained]
+                own = [fault for fault in branch.audit() if fault not in gaps]
+                if len(gaps) > _MANY:
+                    gaps = [f"{gaps[0]}, and {len(gaps) - 1} more like it"]
+                faults += [f"{name} {k}: {fault}" for fault in (*own, *gaps)]
+                if Ended.INTERRUPTED in branch.ended:
+                    faults.append(f"{name} {k}: {Ended.INTERRUPTED.value}")
+        return faults + list(self.notes)
+
+    def tables(self) -> dict[str, dict[str, np.ndarray]]:
+        """Columns by name for each branch (`equilibria_0`, `orbits_0`, ...) and of all points (`special_points`)."""
+        found: dict[str, dict[str, np.ndarray]] = {}
+        for k, branch in enumerate(self.equilibria):
+            columns = {self.along: branch.parameter} | {name: branch[name] for name in branch.states}
+            columns["growth"] = branch.eigenvalues.real.max(axis=1)
+            found[f"equilibria_{k}"] = columns | {"unstable": branch.unstable}
+        for k, orbits in enumerate(self.orbits):
+            columns = {self.along: orbits.parameter, "period": orbits.column("period")}
+            for name in orbits.states:
+                columns |= {f"{of} {name}": orbits.column(f"{of} {name}") for of in ("min", "max", "mean")}
+            first = [orbit.exponents.real.max(initial=-np.inf) for orbit in orbits]
+            columns["log largest multiplier"] = np.array(first)
+            found[f"orbits_{k}"] = columns | {"unstable": orbits.unstable}
+        points = self.points()
+        found["special_points"] = {
+            "kind": np.array([p.kind for p in points], dtype=object),
+            self.along: np.array([p.parameter for p in points]),
+            "period": np.array([p.orbit.period if isinstance(p, OrbitPoint) else _period(p) for p in points]),
+            "coefficient": np.array([_coefficient(p) for p in points], dtype=float),
+        }
+        return found
+
+    def __repr__(self) -> str:
+        low, high = self.until
+        lines = [
+            f"<diagram in {self.along} = {low:g} ... {high:g}: {len(self.equilibria)} branches of equilibria, "
+            f"{len(self.orbits)} of orbits{', interrupted' if self.interrupted else ''}"
+        ]
+        for name, branches in (("equilibria", self.equilibria), ("orbits", self.orbits)):
+            for k, branch in enumerate(branches):
+                p, labels = branch.parameter, ", ".join(f"{q.kind} {q.parameter:.7g}" for q in branch.special)
+                if not len(p):
+                    continue
+                runs = ", ".join(f"{a:.5g} ... {b:.5g}" for a, b in stable_runs(branch)) or "nowhere"
+                lines.append(
+                    f"  {name} {k}: {p.min():.6g} ... {p.max():.6g}, {len(p)} points; stable {runs}; "
+                    f"{labels or 'no special points'}"
+                )
+        return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)]) + ">"
+
+
+def stable_runs(branch: Branch | OrbitBranch) -> Iterator[tuple[float, float]]:
+    """Ranges of the parameter over which a branch is stable, one for each of its pieces."""
+    for unstable, x in drawn(branch, branch.along[0]):
+        if not unstable:
+            yield float(x[0].min()), float(x[0].max())
+
+
+def drawn(branch: Branch | OrbitBranch, *names: str) -> Iterator[tuple[int, tuple[np.ndarray, ...]]]:
+    """The pieces of a branch, those of orbits drawn through to the Hopf points that they end in."""
+    pieces = list(branch.pieces(*names))
+    if isinstance(branch, OrbitBranch) and pieces:
+        for point in branch.points("hopf"):
+            k = 0 if point.arclength <= branch.arclength[0] else -1
+            unstable, columns = pieces[k]
+            ends = [_at_hopf(point, name) for name in names]
+            both = [([end], c) if k == 0 else (c, [end]) for end, c in zip(ends, columns, strict=True)]
+            pieces[k] = (unstable, tuple(np.concatenate(pair) for pair in both))
+    yield from pieces
+
+
+def _at_hopf(point: SpecialPoint, name: str) -> float:
+    """A column's value for an orbit without size."""
+    if name in point.states:
+        return 0.0  # half peak-to-peak
+    if name in point.parameters:
+        return point.parameters[name]
+    kind, _, state = name.rpartition(" ")
+    if kind in ("max", "min", "mean") and state in point.states:
+        return point[state]
+    return _period(point) if name == "period" else float("nan")
+
+
+def _period(point: SpecialPoint) -> float:
+    omega = point.omega[0] if isinstance(point.omega, tuple) else point.omega
+    return 2 * np.pi / omega if omega else float("nan")
+
+
+def _coefficient(point: SpecialPoint) -> float:
+    found = point.coefficient if isinstance(point, OrbitPoint) else point.lyapunov
+    return float("nan") if found is None else found
+
+
+def same_point(a: SpecialPoint, b: SpecialPoint, tolerance: float) -> bool:
+    """Whether two labels stand for one point; tolerance: of the parameter."""
+    if a.kind != b.kind or abs(a.parameter - b.parameter) > tolerance:
+        return False
+    if isinstance(a, OrbitPoint) and isinstance(b, OrbitPoint):
+        return same_orbit(a.orbit, b.orbit)
+    if isinstance(a, OrbitPoint) or isinstance(b, OrbitPoint):
+        return False
+    # a branch point is an end of Newton's reach: states there agree to the root of the tolerance
+    return bool(np.all(np.abs(a.state - b.state) <= 1e-4 * np.maximum(1.0, np.abs(a.state))))
