@@ -15,14 +15,23 @@ from rainwind.dynamics.inspection import Changes, Inspector, Probe, pace
 from rainwind.dynamics.kernels import chain
 from rainwind.dynamics.kernels import collocation as kernel
 from rainwind.dynamics.kernels.screening import hasty
-from rainwind.dynamics.orbit_conditions import Condition, condition, null_profile, refreshed, start_borders
-from rainwind.dynamics.orbit_equations import Linearised, OrbitEquations, OrbitNode
+from rainwind.dynamics.orbit_conditions import (
+    Condition,
+    adjoint,
+    condition,
+    null_profile,
+    refreshed,
+    slopes,
+    start_borders,
+)
+from rainwind.dynamics.orbit_equations import NEWTON_LIMIT, Linearised, OrbitEquations, OrbitNode
 from rainwind.dynamics.orbit_normal_forms import lpc_coefficient, ns_coefficient, pd_coefficient
 from rainwind.dynamics.orbit_results import OrbitPoint
 from rainwind.dynamics.results import Certificate, Unexplained
 
 Complex = NDArray[np.complex128]
 
+_TORN = 1e-4  # of arclength: how far apart the traces of a branch point that a mesh has torn may lie
 FARTHEST = -12.0  # log|mu| below which nothing is watched: what is far inside the circle only makes noise
 
 
@@ -50,6 +59,20 @@ class OrbitInspector(Inspector):
             k for k in changes.pairs if np.pi == abs(a.watched[k].imag) == abs(b.watched[k].imag)
         )
         return replace(changes, negative=negative, pairs=tuple(k for k in changes.pairs if k not in negative))
+
+    def explain(self, a: Probe, b: Probe, points: list[Any], unexplained: list[Unexplained]) -> None:
+        """As of equilibria; changes crowded at one place may be a branch point that the mesh has torn apart."""
+        found: list[Any] = []
+        gaps: list[Unexplained] = []
+        super().explain(a, b, found, gaps)
+        if gaps and max(g.between[1] for g in gaps) - min(g.between[0] for g in gaps) < _TORN:
+            at = gaps[0].between[0]
+            fraction = (at - a.node.arclength) / (b.node.arclength - a.node.arclength)
+            point = _locate_branch_point(self.problem, a, b, fraction)
+            if point is not None and point.certificate.holds:
+                found, gaps = [*found, point], []
+        points += found
+        unexplained += gaps
 
     def read(self, nodes: Sequence[Any]) -> tuple[list[OrbitPoint], list[Unexplained]]:
         """All special points between the nodes of a walk, and the changes that none explains."""
@@ -120,6 +143,12 @@ def _classify(changes: Changes) -> str | None:
 
 def _locate(problem: OrbitEquations, kind: str, a: Probe, b: Probe, changes: Changes) -> OrbitPoint | None:
     """The zero of the one value that vanishes at this kind of point, along corrected orbits."""
+    if kind == "bp":
+        fraction = 0.5
+        if changes.real:
+            va, vb = (probe.watched[changes.real[0]].real for probe in (a, b))
+            fraction = va / (va - vb)
+        return _locate_branch_point(problem, a, b, fraction)
     column = (changes.real or changes.negative or changes.pairs or (None,))[0]
 
     def value(node: OrbitNode) -> float:
@@ -131,20 +160,92 @@ def _locate(problem: OrbitEquations, kind: str, a: Probe, b: Probe, changes: Cha
     return None if node is None else describe(problem, kind, node, value(node))
 
 
-def describe(problem: OrbitEquations, kind: str, node: OrbitNode, here: float) -> OrbitPoint:
+def _locate_branch_point(problem: OrbitEquations, a: Probe, b: Probe, fraction: float) -> OrbitPoint | None:
+    """Newton on the defining equations from a fraction of the way; None if it ends outside the interval.
+
+    A mesh parts the two branches by about its error. With an unfolding term in the equations there is a point of both,
+    and the term's size says how far it is from one of the discrete equations themselves.
+    """
+    na, nb = a.node, b.node
+    found = solve_branch_point(problem, na.u + fraction * (nb.u - na.u))
+    if found is None:
+        return None
+    u, unfolding = found
+    offset, step = (u - na.u) / problem.scale, (nb.u - na.u) / problem.scale
+    length = float(np.linalg.norm(step))
+    ahead = float(step @ offset) / length
+    if not -1e-3 * length <= ahead <= 1.001 * length or np.linalg.norm(offset) > 1.5 * length:
+        return None
+    exponents, trivial, liouville = problem.floquet(u, problem.linearise(u))
+    arclength = na.arclength + ahead / length * (nb.arclength - na.arclength)
+    tangent = step / length
+    node = OrbitNode(
+        u, tangent, arclength, eigenvalues=exponents, grid=problem.grid, trivial=trivial, liouville=liouville
+    )
+    return describe(problem, "bp", node, float(np.min(np.abs(exponents))), unfolding)
+
+
+def solve_branch_point(problem: OrbitEquations, u: np.ndarray) -> tuple[np.ndarray, float] | None:
+    """A branch point of orbits from a guess of profile, period and parameter: u and the unfolding, or None.
+
+    Unknown beside u is b in F + b psi = 0, psi the left null vector of the first guess; two scalars vanish.
+    """
+    size = problem.profile_size
+    rows, corner = np.zeros((3, size)), np.zeros((3, 3))
+    rows[0] = problem.phase_row(problem.profile(u), problem.profile(u))
+    target = rows[0] @ u[:size]
+    u, b = u.copy(), 0.0
+    borders = direction = None
+    sizes: list[float] = []
+    try:
+        for _ in range(2 * NEWTON_LIMIT):
+            at = problem.linearise(u)
+            if borders is None:
+                borders = start_borders(problem, u, at, "bp")
+            found = condition(problem, u, at, "bp", borders)
+            if direction is None:
+                direction = adjoint(at, found)
+                direction /= np.max(np.abs(direction))
+            by = slopes(problem, u, at, found)
+            rows[1:], corner[1:, :2] = by[:, :size], by[:, size : size + 2]
+            inside = np.empty_like(direction)
+            kernel.solve_inside(at.factors, at.orders, -direction, inside)
+            steps = np.insert(at.steps, at.steps.shape[2] - 1, inside[:, :, 0], axis=2)
+            steps[:, :, -1] += b * inside[:, :, 0]
+            right = np.concatenate([[target - rows[0] @ u[:size]], -found.values])[:, None]
+            x, lam, _, _ = chain.solve_periodic(np.ascontiguousarray(steps), rows, corner, right)
+            step = np.concatenate([x[:, :, 0].ravel(), lam[:2, 0]])
+            if not np.all(np.isfinite(step)):
+                return None
+            u += step
+            b += float(lam[2, 0])
+            if problem.settled(sizes):
+                return u, b
+            sizes.append(problem.change(step, u))
+    except np.linalg.LinAlgError:
+        pass
+    return None
+
+
+def describe(
+    problem: OrbitEquations, kind: str, node: OrbitNode, here: float, unfolding: float = 0.0
+) -> OrbitPoint:
     """A labelled orbit with normal-form coefficient, certificate and the direction of the other branch."""
     at = problem.linearise(node.u)
     orbit = problem.orbit(node)
     exponents = node.eigenvalues
     angle = coefficient = direction = None
-    checks = {"value that vanishes": (here, 1e-7)}
+    error = 10.0 * orbit.mesh_error
+    checks = {"value that vanishes": (here, max(1e-7, error) if kind == "bp" else 1e-7)}
+    if kind == "bp":
+        checks["unfolding"] = (unfolding, max(1e-7, error))
     if kind == "ns":
         pairs = exponents[(exponents.imag > 0) & (exponents.imag < np.pi)]
         angle = float(pairs[np.argmin(np.abs(pairs.real))].imag)
     found = bordered(problem, node.u, at, kind, angle or 0.0)
-    checks["bordered determinant"] = (float(np.max(np.abs(found.values))), 1e-6)
+    checks["bordered determinant"] = (float(np.max(np.abs(found.values))), max(1e-6, error))
     if kind != "lpc":  # there the trivial multiplier is double, and moves like the root of the error
-        checks["trivial multiplier"] = (abs(node.trivial), max(1e-6, 10 * orbit.mesh_error))
+        checks["trivial multiplier"] = (abs(node.trivial), max(1e-6, error))
     if kind == "lpc":
         coefficient = lpc_coefficient(problem, node.u)
     elif kind == "pd":

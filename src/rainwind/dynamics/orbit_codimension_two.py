@@ -107,6 +107,11 @@ class _Looked:
     node: OrbitCurveNode
     coefficient: float
 
+    def changes_to(self, other: "_Looked") -> bool:
+        """Whether the coefficient has another sign there; zero counts as negative."""
+        known = np.isfinite(self.coefficient) and np.isfinite(other.coefficient)
+        return bool(known and (self.coefficient > 0) != (other.coefficient > 0))
+
 
 def degenerate_points(problem: OrbitCurveEquations, nodes: Sequence[OrbitCurveNode]) -> list[OrbitPoint]:
     """Where the normal-form coefficient of a pd or ns curve vanishes: gpd or ch.
@@ -119,11 +124,11 @@ def degenerate_points(problem: OrbitCurveEquations, nodes: Sequence[OrbitCurveNo
     position = {id(node): i for i, node in enumerate(nodes)}
     points = []
     for a, b in pairwise(looks):
-        if not a.coefficient * b.coefficient < 0:
+        if not a.changes_to(b):
             continue
         between = nodes[position[id(a.node)] : position[id(b.node)] + 1]
         for first, last in pairwise([_Looked(node, coefficient(problem, node)) for node in between]):
-            if first.coefficient * last.coefficient < 0:
+            if first.changes_to(last):
                 points += _zero_of_coefficient(problem, first, last)
     return points
 
@@ -146,7 +151,7 @@ def _zero_of_coefficient(problem: OrbitCurveEquations, a: _Looked, b: _Looked) -
     if node is None:
         return []
     left = coefficient(here, node)
-    if not abs(left) < 1e-3 * min(abs(a.coefficient), abs(b.coefficient)):
+    if not abs(left) < 1e-3 * max(abs(a.coefficient), abs(b.coefficient)):
         return []  # a change of sign through a pole
     point = describe(here, "gpd" if problem.kind == "pd" else "ch", node, left)
     return [replace(point, coefficient=left)]

@@ -153,17 +153,22 @@ def null_profile(at: Linearised, found: Condition, column: int = 0) -> np.ndarra
     return x[:, :, 0] + 1j * x[:, :, 1] if k == 2 else x[:, :, 0]
 
 
+def adjoint(at: Linearised, found: Condition) -> np.ndarray:
+    """The multipliers psi of all collocation rows (N, m n, 1), or their real and imaginary parts (N, m n, 2)."""
+    _, _, reflections = found.reduced
+    n = found.first.shape[0]
+    ends = np.ascontiguousarray(_real(found.zeta).T)
+    mu = chain.multipliers_of_rows(reflections, ends)
+    right = np.zeros((*at.steps.shape[:2], mu.shape[2]))
+    right[:, -n:] = mu
+    return kernel.solve_inside_transposed(at.factors, at.orders, right)
+
+
 def slopes(problem: OrbitEquations, u: np.ndarray, at: Linearised, found: Condition) -> np.ndarray:
     """Derivatives of the real scalars by (profile, period, free parameters): (conditions, len)."""
     n, size = problem.n, problem.profile_size
     x, period, p = problem.parts(u)
-    _, _, reflections = found.reduced
-    zeta = found.zeta
-    pairs = np.column_stack([zeta.real, zeta.imag]) if np.iscomplexobj(zeta) else zeta[:, None]
-    mu = chain.multipliers_of_rows(reflections, np.ascontiguousarray(pairs))
-    right = np.zeros((*at.steps.shape[:2], mu.shape[2]))
-    right[:, -n:] = mu
-    psi = kernel.solve_inside_transposed(at.factors, at.orders, right)  # (N, m n, 1 or 2)
+    psi = adjoint(at, found)  # (N, m n, 1 or 2)
     tape, inputs, free = problem.tape
     basis = problem.grid.basis
     points = kernel.gauss_inputs(inputs, free, basis.values, x, p)

@@ -40,7 +40,7 @@ def continue_orbits(
     until: tuple[float, float],
     ds: float = 0.05,
     mesh: Mesh | None = None,
-    longest: float = 1000.0,
+    longest: float = 100.0,
     limit: int = 5000,
     progress: Progress | None = None,
 ) -> OrbitBranch:
