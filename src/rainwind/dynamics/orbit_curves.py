@@ -175,7 +175,7 @@ def _first(
 
 def _name_the_end(problem: OrbitCurveEquations, half: Half) -> None:
     """An ns curve ends at angle 0 or pi in a resonance or, where the orbits vanish too, in a fold-Hopf point."""
-    if problem.kind != "ns" or half.ended is not Ended.AT_BOUND or len(half.nodes) < 3:
+    if problem.kind != "ns" or half.ended is not Ended.AT_BOUND or len(half.nodes) < 2:
         return
     nodes: list[Any] = half.nodes[-2:]
     angles = [problem.angle(node.u) for node in nodes]
