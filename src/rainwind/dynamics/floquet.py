@@ -3,31 +3,33 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from rainwind.dynamics.kernels.collocation import deflated
+from rainwind.dynamics.kernels.periodic_schur import log_multipliers
+
 Complex = NDArray[np.complex128]
 
 
-def deflated(transitions: np.ndarray, flow: np.ndarray) -> np.ndarray:
-    """The transitions (N, n - 1, n - 1) of disturbances modulo the flow: transitions (N, n, n), flow (N + 1, n).
+def nontrivial_exponents(steps: np.ndarray, flow: np.ndarray) -> Complex:
+    """log mu of all multipliers but the trivial one (n - 1,), from steps (N, m n, .) and flow (N + 1, n).
 
-    A reflection turns the flow's direction into e_1 at every mesh point. G_j carries f_j into a multiple of f_(j+1) but
-    for the discretisation error, so that the first column below the diagonal may be dropped. What is left has no
-    multiplier near 1 but where the orbit bifurcates, so that nothing is ill conditioned at a fold of cycles.
+    G_j carries the flow f_j into a multiple of f_(j + 1) but for the discretisation error, so that f may be divided
+    out at every mesh point. What is left has no multiplier near 1 but where the orbit bifurcates, so that nothing is
+    ill conditioned at a fold of cycles, where the trivial multiplier is double.
     """
-    e = flow / np.linalg.norm(flow, axis=1, keepdims=True)
-    e[-1] = e[0]
-    # reflections I - v v' / (1 + |e_1|) that carry e into -+ e_1
-    sign = np.where(e[:, 0] >= 0.0, 1.0, -1.0)
-    v = e.copy()
-    v[:, 0] += sign
-    weight = 1.0 / (1.0 + np.abs(e[:, 0]))
-    right = transitions - np.einsum("j,jr,jc->jrc", weight[:-1], np.einsum("jrk,jk->jr", transitions, v[:-1]), v[:-1])
-    left = right - np.einsum("j,jr,jc->jrc", weight[1:], v[1:], np.einsum("jk,jkc->jc", v[1:], right))
-    return np.ascontiguousarray(left[:, 1:, 1:])
+    return log_multipliers(deflated(steps, flow))
 
 
-def trivial_exponent(exponents: Complex) -> complex:
-    """Of log mu (n,) the one whose multiplier is nearest to 1."""
-    return complex(exponents[np.argmin(np.abs(exponents))])
+def trivial_exponent(ends: np.ndarray, flow: np.ndarray) -> complex:
+    """log of the multiplier nearest to 1, from P x_0 + Q x_N = 0 (n, 2 n + .) by inverse iteration from the flow (n,)."""
+    n = len(flow)
+    p, q = ends[:, :n], ends[:, n : 2 * n]
+    x = flow / np.linalg.norm(flow)
+    try:
+        y = np.linalg.solve(p + q, q @ x)
+    except np.linalg.LinAlgError:
+        return 0j
+    # (P + mu Q) x = 0 means (P + Q) x = (1 - mu) Q x
+    return complex(np.log(1.0 - 1.0 / (x @ y) + 0j))
 
 
 def matched(before: Complex, after: Complex) -> Complex:

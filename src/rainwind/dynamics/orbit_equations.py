@@ -5,19 +5,19 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from rainwind.dynamics.collocation import Grid, Mesh
-from rainwind.dynamics.floquet import deflated, trivial_exponent
+from rainwind.dynamics.floquet import nontrivial_exponents, trivial_exponent
 from rainwind.dynamics.kernels import chain as ends
 from rainwind.dynamics.kernels import collocation as kernel
-from rainwind.dynamics.kernels.periodic_schur import log_multipliers
 from rainwind.dynamics.kernels.values import specialised, values
 from rainwind.dynamics.nodes import Node
-from rainwind.dynamics.orbit_results import Orbit
+from rainwind.dynamics.orbit_results import Orbit, error_of
 from rainwind.dynamics.system import System
 
 NEWTON_LIMIT = 8
 _STEPS_ON_A_GRID = 3
 # of the estimated error, in units of max(1, |state|): more intervals above, fewer below, not accepted above
 _COARSE, _FINE, USELESS = 1e-5, 1e-10, 1e-2
+_CHORD = 1e-2  # size of Newton's step below which the next one may use the same matrix
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,9 +63,14 @@ class OrbitEquations:
     mesh: Mesh = field(default_factory=Mesh)
     tolerance: float = 1e-9
     scale: np.ndarray = field(init=False, repr=False)
-    tape: tuple = field(init=False, repr=False)
+    tape: tuple = field(default=(), repr=False, kw_only=True)
 
     def __post_init__(self) -> None:
+        rest = [[self.period_unit], self.parameter_units, np.ones(self.extras)]
+        profile = (self.units / np.sqrt(self.grid.quadrature)[:, None]).ravel()
+        object.__setattr__(self, "scale", np.concatenate([profile, *rest]))
+        if self.tape:  # a copy on another grid
+            return
         system = self.system
         free = np.array([system.number(name) for name in self.along], dtype=np.int64)
         inputs = system.inputs(np.zeros(len(system.states)))
@@ -74,9 +79,6 @@ class OrbitEquations:
         varies[free] = True
         operations, template, outputs = system.tape.arrays
         tape = (*specialised(operations, template, inputs, varies), outputs)
-        profile = (self.units / np.sqrt(self.grid.quadrature)[:, None]).ravel()
-        rest = [[self.period_unit], self.parameter_units, np.ones(self.extras)]
-        object.__setattr__(self, "scale", np.concatenate([profile, *rest]))
         object.__setattr__(self, "tape", (tape, inputs, free))
 
     @property
@@ -129,7 +131,6 @@ class OrbitEquations:
             exponents=node.eigenvalues,
             trivial=node.trivial,
             liouville=node.liouville,
-            mesh_error=self.mesh_error(x),
             residual=float(np.max(np.abs(self.defects(node.u)))),
         )
 
@@ -137,7 +138,7 @@ class OrbitEquations:
 
     def mesh_error(self, x: np.ndarray) -> float:
         """The estimated error of a profile, in units of max(1, |state|)."""
-        return self.grid.error(x, np.maximum(1.0, np.abs(x).max(axis=0)))
+        return error_of(self.grid, x)
 
     def on(self, grid: Grid) -> "OrbitEquations":
         """The same problem on another grid."""
@@ -189,10 +190,10 @@ class OrbitEquations:
 
         Where the profile is a point (at a Hopf point) the direction of the branch gives the slope.
         """
-        slope = self.grid.slopes_at_points(x)
-        if np.max(np.abs(slope) / self.units) < 1e-9:
-            slope = self.grid.slopes_at_points(direction)
-        row = self.grid.row(slope / self.units**2).ravel()
+        b = self.grid.basis
+        if np.max(np.ptp(x, axis=0) / self.units) < 1e-9:
+            x = direction
+        row = kernel.phase_row(b.weights, b.values, b.slopes, self.grid.lengths, x, self.units)
         return row / np.linalg.norm(row * self.scale[: row.size])
 
     def correct(self, near: Node, u: np.ndarray, tangent: np.ndarray) -> OrbitNode | None:
@@ -209,35 +210,45 @@ class OrbitEquations:
         u = u.copy()
         sizes: list[float] = []
         for iteration in range(NEWTON_LIMIT):
-            at = self.linearise(u)
+            last = self.settled(sizes)
             right[:, 0] = target - [rows[0] @ u[:size], across @ u]
-            x, lam, sign, _ = ends.solve_periodic(at.steps, rows, corner, right)
+            if last or not 0 < iteration < 3 or sizes[-1] > _CHORD:
+                at = self.linearise(u)
+                x, lam, sign, reduced = ends.solve_periodic(at.steps, rows, corner, right)
+            else:  # near the orbit the matrix of the step before does
+                self.restate(at, u)
+                x, lam = ends.solve_periodic_again(at.steps, rows, reduced, right)
             step = np.concatenate([x[:, :, 0].ravel(), lam[:, 0]])
             if not np.all(np.isfinite(step)):
                 return None
             u += step
-            if self.settled(sizes):
+            if last:
                 turned = np.concatenate([x[:, :, 1].ravel(), lam[:, 1]]) / self.scale
                 turned /= np.linalg.norm(turned)
                 tests = np.array([turned[size + 1], sign * at.sign])
                 age = near.age + 1 if isinstance(near, OrbitNode) and near.grid is self.grid else 1
-                exponents, trivial, liouville = self.floquet(u, at)
+                exponents, trivial, liouville = self.floquet(u, at, reduced[0])
                 return OrbitNode(
                     u, turned, 0.0, iteration, tests, exponents, None, self.grid, trivial, liouville, age
                 )
             sizes.append(self.change(step, u))
         return None
 
+    def restate(self, at: Linearised, u: np.ndarray) -> None:
+        """Put the equations' value at another u into the linearisation's last column, its matrix as it is."""
+        right = -self.defects(u)[:, :, None]
+        found = np.empty_like(right)
+        kernel.solve_inside(at.factors, at.orders, right, found)
+        at.steps[:, :, -1] = found[:, :, 0]
+
     def settled(self, sizes: list[float]) -> bool:
-        """Whether Newton's last step leaves an error below the tolerance, foretold from its quadratic convergence.
+        """Whether the error after Newton's last step is below the tolerance, foretold from the steps' sizes.
 
         One more step is made then all the same: it comes with the tangent.
         """
         if not sizes or sizes[-1] < self.tolerance:
             return bool(sizes)
-        if len(sizes) < 2 or sizes[-1] > 0.01:
-            return False
-        return sizes[-1] * (sizes[-1] / sizes[-2]) ** 2 < 0.1 * self.tolerance
+        return len(sizes) > 1 and sizes[-1] * (sizes[-1] / sizes[-2]) < 0.1 * self.tolerance
 
     def change(self, step: np.ndarray, u: np.ndarray) -> float:
         """The size of a step: the largest change of any unknown, as a share of its unit and its own size."""
@@ -247,20 +258,21 @@ class OrbitEquations:
         rest = np.max(np.abs(step[size:]) / (units + np.abs(u[size:]))) if step.size > size else 0.0
         return float(max(profile, rest))
 
-    def floquet(self, u: np.ndarray, at: Linearised) -> tuple[np.ndarray, complex, float]:
-        """log mu of the nontrivial multipliers (n - 1,), that of the trivial one, and the Liouville error."""
-        transitions = self.transitions(at)
-        exponents = log_multipliers(deflated(transitions, self.flow(u)))
-        trivial = trivial_exponent(log_multipliers(transitions))
+    def floquet(
+        self, u: np.ndarray, at: Linearised, reduced: np.ndarray | None = None
+    ) -> tuple[np.ndarray, complex, float]:
+        """log mu of the nontrivial multipliers (n - 1,), that of the trivial one, and the Liouville error.
+
+        reduced: the chain's ends, if they are known already.
+        """
+        flow = self.flow(u)
+        exponents = nontrivial_exponents(at.steps, flow)
+        reduced = ends.reduce_chain(at.steps, self.n)[0] if reduced is None else reduced
+        trivial = trivial_exponent(reduced, flow[0])
         _, period, _ = self.parts(u)
         traces = np.trace(at.by[:, :, : self.n], axis1=1, axis2=2).reshape(-1, self.grid.degree)
         integral = period * float(self.grid.lengths @ traces @ self.grid.basis.weights)
         return exponents, trivial, float(exponents.real.sum() + trivial.real - integral)
-
-    def transitions(self, at: Linearised) -> np.ndarray:
-        """G_j (N, n, n)."""
-        n = self.n
-        return np.ascontiguousarray(at.steps[:, -n:, :n])
 
     def flow(self, u: np.ndarray) -> np.ndarray:
         """f at the mesh points (N + 1, n)."""

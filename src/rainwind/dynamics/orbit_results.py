@@ -20,9 +20,8 @@ class Orbit:
 
     profile (N m + 1, n): the states at all nodes of the grid; exponents (n - 1,): log mu of the nontrivial
     multipliers, largest first (real part log|mu|, imaginary part in (-pi, pi]); trivial: log of the multiplier that
-    should be 1, as computed; liouville: sum of all log|mu| less the integral of trace J, which should vanish;
-    mesh_error: estimated largest error of any state, in units of max(1, |state|); residual: largest |F| of the
-    collocation equations.
+    should be 1, as computed; liouville: sum of all log|mu| less the integral of trace J, which should vanish; residual:
+    largest |F| of the collocation equations.
     """
 
     states: tuple[str, ...]
@@ -33,7 +32,6 @@ class Orbit:
     exponents: NDArray[np.complex128]
     trivial: complex
     liouville: float
-    mesh_error: float
     residual: float
 
     @property
@@ -41,6 +39,11 @@ class Orbit:
         """All n Floquet multipliers, the trivial one (as computed) first, then by falling modulus."""
         with np.errstate(over="ignore"):
             return np.exp(np.concatenate([[self.trivial], self.exponents]))
+
+    @cached_property
+    def mesh_error(self) -> float:
+        """The estimated largest error of any state, in units of max(1, |state|)."""
+        return error_of(self.grid, self.profile)
 
     @property
     def unstable(self) -> int:
@@ -103,6 +106,11 @@ class Orbit:
     def __repr__(self) -> str:
         stable = "stable" if self.stable else f"unstable ({self.unstable} multipliers outside)"
         return f"<{stable} orbit of period {self.period:.8g}>"
+
+
+def error_of(grid: Grid, profile: np.ndarray) -> float:
+    """The estimated largest error of a profile, in units of max(1, |state|)."""
+    return grid.error(profile, np.maximum(1.0, np.abs(profile).max(axis=0)))
 
 
 @dataclass(frozen=True, eq=False, repr=False)

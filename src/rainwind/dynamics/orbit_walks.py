@@ -94,7 +94,7 @@ def _unusable(problem: OrbitEquations, orbit: Orbit) -> Ended | None:
         refusal(x, orbit.parameters) is not None for x in orbit.profile[:: orbit.grid.degree]
     ):
         return Ended.REFUSED
-    if orbit.mesh_error > USELESS and len(orbit.grid.lengths) >= problem.mesh.most:
+    if len(orbit.grid.lengths) >= problem.mesh.most and orbit.mesh_error > USELESS:
         return Ended.MESH_AT_LIMIT
     return None
 

@@ -220,57 +220,89 @@ def solve_periodic(steps, rows, corner, right):
 
     steps (N, m n, n + c + 1) from `condense`; rows (c, (N m + 1) n); corner (c, c); right (c, k): the rows' right-hand
     sides, where the collocation equations' own (rho) belongs to the first column alone. Returns x (N m + 1, n, k),
-    lambda (c, k), the sign of the determinant, and (ends, tops, reflections).
+    lambda (c, k), the sign of the determinant, and what `solve_periodic_again` and others go on with: ends, tops,
+    reflections, the rows over mesh points and over lambda, the mesh points as functions of x_0 and lambda, the matrix.
     """
-    many, size, width = steps.shape
-    c, k = right.shape
+    many, width = steps.shape[0], steps.shape[2]
+    c = right.shape[0]
     n = width - c - 1
     ends, tops, reflections, sign = reduce_chain(steps, n)
     over_mesh, over_rest = reduce_rows(rows, steps)
-    # mesh points as functions of x_0, lambda and rho
-    first = np.zeros((n, n + c + 1))
-    lam = np.zeros((c, n + c + 1))
+    first = np.zeros((n, n + c))
+    lam = np.zeros((c, n + c))
     for i in range(n):
         first[i, i] = 1.0
     for i in range(c):
         lam[i, n + i] = 1.0
-    inner = np.zeros((many - 1, n, n + c + 1))
-    for j in range(many - 1):
-        for r in range(n):
-            inner[j, r, n + c] = tops[j, r, 3 * n + c]
-    y = mesh_points(tops, inner, first, first, lam)
+    y = mesh_points(tops, np.zeros((many - 1, n, n + c)), first, first, lam)
     a = np.zeros((n + c, n + c))
-    b = np.zeros((n + c, k))
     for r in range(n):
         for i in range(n):
             a[r, i] = ends[r, i] + ends[r, n + i]
         for i in range(c):
             a[r, n + i] = -ends[r, 2 * n + i]
-        b[r, 0] = ends[r, 2 * n + c]
     for r in range(c):
-        for i in range(n + c + 1):
-            total = over_rest[r, i - n] if i >= n else 0.0
-            if n <= i < n + c:
-                total += corner[r, i - n]
-            for j in range(many + 1):
-                for s in range(n):
-                    total += over_mesh[r, j, s] * y[j, s, i]
-            if i < n + c:
-                a[n + r, i] = total
-            else:
-                b[n + r, 0] = -total
+        for j in range(many + 1):
+            for s in range(n):
+                factor = over_mesh[r, j, s]
+                if factor != 0.0:
+                    for i in range(n + c):
+                        a[n + r, i] += factor * y[j, s, i]
+        for i in range(c):
+            a[n + r, n + i] += over_rest[r, i] + corner[r, i]
+    inner = np.empty((many - 1, n, 1))
+    for j in range(many - 1):
+        for r in range(n):
+            inner[j, r, 0] = tops[j, r, 3 * n + c]
+    last = ends[:, 2 * n + c :].copy()
+    x, found, its = _finish(steps, tops, over_mesh, over_rest, y, a, inner, last, right)
+    return x, found, sign * its, (ends, tops, reflections, over_mesh, over_rest, y, a)
+
+
+@compiled
+def _finish(steps, tops, over_mesh, over_rest, y, a, inner, last, right):
+    """The solution for one rho, in its reduced form: inner (N - 1, n, 1) for the tops, last (n, 1) for the ends."""
+    many, n, c, k = steps.shape[0], y.shape[1], right.shape[0], right.shape[1]
+    none = np.zeros((n, 1))
+    own = mesh_points(tops, inner, none, none, np.zeros((c, 1)))
+    b = np.zeros((n + c, k))
+    for r in range(n):
+        b[r, 0] = last[r, 0]
+    for r in range(c):
+        total = over_rest[r, c]
+        for j in range(many + 1):
+            for s in range(n):
+                total += over_mesh[r, j, s] * own[j, s, 0]
+        b[n + r, 0] = -total
         for col in range(k):
             b[n + r, col] += right[r, col]
-    sign *= solve_many(a, b)
+    sign = solve_many(a.copy(), b)
     mesh = np.zeros((many + 1, n, k))
     for j in range(many + 1):
         for s in range(n):
-            for col in range(k):
-                total = y[j, s, n + c] if col == 0 else 0.0
-                for i in range(n + c):
-                    total += y[j, s, i] * b[i, col]
-                mesh[j, s, col] = total
+            mesh[j, s, 0] = own[j, s, 0]
+            for i in range(n + c):
+                for col in range(k):
+                    mesh[j, s, col] += y[j, s, i] * b[i, col]
     weight = np.zeros(k)
     weight[0] = 1.0
-    x = all_nodes(steps, mesh, b[n:], weight)
-    return x, b[n:].copy(), sign, (ends, tops, reflections)
+    return all_nodes(steps, mesh, b[n:], weight), b[n:].copy(), sign
+
+
+@compiled
+def solve_periodic_again(steps, rows, reduced, right):
+    """The same equations with another rho (the last column of steps): reduced from `solve_periodic`."""
+    _, tops, reflections, over_mesh, over_rest, y, a = reduced
+    many, size, width = steps.shape
+    n, c = y.shape[1], right.shape[0]
+    m = size // n
+    inner, last = reduce_right(reflections, np.ascontiguousarray(steps[:, size - n :, width - 1 :]))
+    over_rest = over_rest.copy()
+    for r in range(c):
+        total = 0.0
+        for j in range(many):
+            for i in range(size - n):
+                total += rows[r, (j * m + 1) * n + i] * steps[j, i, width - 1]
+        over_rest[r, c] = total
+    x, found, _ = _finish(steps, tops, over_mesh, over_rest, y, a, inner, last, right)
+    return x, found

@@ -208,3 +208,59 @@ def solve_inside_transposed(factors, orders, right):
             for c in range(columns):
                 found[j, orders[j, i], c] = x[i, c]
     return found
+
+
+@compiled
+def phase_row(weights, w, d, h, x, units):
+    """The row (N m + 1) n of the integral of slope(x) times a disturbance, states in units (n,)."""
+    m, n = w.shape[0], x.shape[1]
+    row = np.zeros(x.size)
+    slope = np.empty(n)
+    for j in range(h.size):
+        for i in range(m):
+            slope[:] = 0.0
+            for k in range(m + 1):
+                for c in range(n):
+                    slope[c] += d[i, k] * x[j * m + k, c]
+            for c in range(n):
+                slope[c] *= weights[i] / units[c] ** 2
+            for k in range(m + 1):
+                for c in range(n):
+                    row[(j * m + k) * n + c] += w[i, k] * slope[c]
+    return row
+
+
+@compiled
+def deflated(steps, flow):
+    """Transitions modulo the flow: the last n rows of steps (N, m n, .), flow (N + 1, n) -> (N, n - 1, n - 1).
+
+    A reflection turns the flow's direction into +-e_1 at every mesh point.
+    """
+    many, size = steps.shape[0], steps.shape[1]
+    n = flow.shape[1]
+    found = np.empty((many, n - 1, n - 1))
+    v = np.empty((2, n))  # I - v v' at both ends of the interval
+    a = np.empty((n, n))
+    for j in range(many + 1):
+        source = flow[j] if j < many else flow[0]
+        length = np.sqrt(np.sum(source * source))
+        sign = 1.0 if source[0] >= 0.0 else -1.0
+        scale = 1.0 / np.sqrt(1.0 + abs(source[0]) / length)
+        v[0] = v[1]
+        for r in range(n):
+            v[1, r] = scale * (source[r] / length + (sign if r == 0 else 0.0))
+        if j == 0:
+            continue
+        for r in range(n):
+            total = 0.0
+            for c in range(n):
+                total += steps[j - 1, size - n + r, c] * v[0, c]
+            for c in range(n):
+                a[r, c] = steps[j - 1, size - n + r, c] - total * v[0, c]
+        for c in range(1, n):
+            total = 0.0
+            for r in range(n):
+                total += v[1, r] * a[r, c]
+            for r in range(1, n):
+                found[j - 1, r - 1, c - 1] = a[r, c] - total * v[1, r]
+    return found
