@@ -408,8 +408,12 @@ def curve_record(
             "moved": abs(best.parameters[0] - p.parameters[0]) if best else None,
         }
         if kind != "lpc":
-            orbit = crossing(equations, p, kind, damping_ratio=damping_ratio)
-            record["polished"] = polished_record(orbit, kind, p) | {"damping_ratio": damping_ratio}
+            try:
+                orbit = crossing(equations, p, kind, damping_ratio=damping_ratio)
+                record["polished"] = polished_record(orbit, kind, p) | {"damping_ratio": damping_ratio}
+            except NotConverged:
+                # a fold of cycles is so close that the cycle of a given speed is hardly isolated
+                record["polished"] = None
         points.append(record)
     # an extremum of the first parameter is AUTO's "LP": of the speed, or of the damping ratio
     labelled = [

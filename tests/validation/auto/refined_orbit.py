@@ -150,7 +150,7 @@ def refine(
     lengths = np.diff(np.append(times, 1.0))
     normal = Field(equations, speed, damping_ratio)(starts[0])[0]
     normal /= np.linalg.norm(normal)
-    last = np.inf
+    last, by_speed = np.inf, None
     for _ in range(14):
         field = Field(equations, speed, damping_ratio)
         flow = way(field)
@@ -168,11 +168,11 @@ def refine(
         system[6 * count, :6] = normal
         right[: 6 * count], right[6 * count] = gaps.ravel(), normal @ (x[0] - starts[0])
         if along is not None:
-            # differences are good enough for Newton's method
-            up, down = (way(Field(equations, speed + e, damping_ratio)) for e in (1e-5, -1e-5))
-            for k in range(count):
-                h = lengths[k] * period
-                system[6 * k : 6 * k + 6, -1] = (up(x[k], h)[0] - down(x[k], h)[0]) / 2e-5
+            if by_speed is None:  # differences at the first guess are good enough for Newton's method
+                up = way(Field(equations, speed + 1e-6, damping_ratio))
+                moved = [up(s, h * period)[0] for s, h in zip(x, lengths, strict=True)]
+                by_speed = (np.array(moved) - np.array(ends)).ravel() / 1e-6
+            system[: 6 * count, -1] = by_speed
             system[-1, :6], right[-1] = along[0], along[0] @ (x[0] - starts[0]) - along[1]
         size = np.abs(right).max()
         if size < 1e-11 and size >= last / 4:  # rounding

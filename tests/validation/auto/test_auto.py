@@ -15,7 +15,17 @@ from scipy.optimize import minimize_scalar
 
 from .auto_runner import Auto, auto_directory
 from .make_reference import REFERENCE
-from .sample_case import EQUATIONS, EQUILIBRIA, FOLD_CURVE, Equations, backward, fold_and_hopf_points, tight
+from .refined_orbit import explicit_flow, gauss_flow, multipliers_by_iteration, multipliers_by_product, refine
+from .sample_case import (
+    EQUATIONS,
+    EQUILIBRIA,
+    FOLD_CURVE,
+    ORBIT_BRANCH,
+    Equations,
+    backward,
+    fold_and_hopf_points,
+    tight,
+)
 
 pytestmark = pytest.mark.validation
 needs_auto = pytest.mark.skipif(auto_directory() is None, reason="AUTO-07p or gfortran is not installed")
@@ -70,6 +80,58 @@ def test_hopf_points_have_one_imaginary_pair_and_the_hopf_hopf_point_two(referen
     equilibria = reference["points"]["equilibria"]
     assert [imaginary(p) for p in equilibria if p["auto_label"] == "HB"] == [2, 2]
     assert imaginary(by_name(reference["points"]["hopf_curve"], "HH")) == 4
+
+
+def test_stored_cycles_keep_what_every_cycle_keeps(reference):
+    """One multiplier is 1, their product is exp of the integral of the trace (Liouville), two solutions agree."""
+    cycles = reference["orbits"]["cycles"]
+    assert sorted(c["speed"] for c in cycles) == [9, 10, 12, 12, 12, 13, 14]
+    for c in cycles:
+        multipliers = np.array([complex(*m) for m in c["multipliers"]])
+        assert min(abs(multipliers - 1)) < 1e-12
+        assert np.log(abs(multipliers)).sum() == pytest.approx(c["integral_of_trace"], abs=1e-10)
+        assert max(c["agreement"][key] for key in ("period", "state", "multipliers_relative")) < 1e-10
+        # AUTO prints 6 digits, and its tiny ones are rounding
+        for printed in (complex(*m) for m in c["auto"]["multipliers"]):
+            if abs(printed) > 1e-4:
+                assert min(abs(multipliers - printed)) < 2e-5 * abs(printed)
+
+
+def test_stored_labels_are_where_a_multiplier_crosses(reference):
+    for branch in reference["orbits"]["branches"]:
+        for label in branch["labels"]:
+            polished = label["polished"]
+            multipliers = np.array([complex(*m) for m in polished["multipliers"]])
+            if label["name"] == "lpc":
+                # a double 1: it splits like the root of rounding
+                assert np.sort(abs(multipliers - 1))[1] < 3e-6
+            else:
+                assert abs(polished["critical_abs_minus_1"]) < 1e-9
+            before, after = label["unstable_before_after"]
+            assert abs(before - after) == {"lpc": 1, "pd": 1, "ns": 2}[label["name"]]
+            # AUTO locates a PD less well where another multiplier is 3e7 (0.02 %, 24.86 m/s)
+            large = max(abs(multipliers)) > 1e7
+            assert abs(polished.get("from_auto", {"speed": 0.0})["speed"]) < (5e-7 if large else 1e-8)
+
+
+@needs_auto
+def test_two_ways_to_the_same_cycle(auto, reference):
+    """The cycle at 14 m/s from AUTO's branch, at AUTO's default tolerances: polished, it is the stored one."""
+    _, on_d, _ = fold_and_hopf_points(auto.run(tight(EQUILIBRIA)))
+    (point,) = auto.run(ORBIT_BRANCH | {"UZR": {1: [14.0]}, "NMX": 120}, on_d).points("UZ")
+    (stored,) = (c for c in reference["orbits"]["cycles"] if c["speed"] == 14.0)
+    first = refine(Equations(auto), point, explicit_flow, speed=14.0, segments=60)
+    second = refine(Equations(auto), point, gauss_flow, speed=14.0, segments=60)
+    expected = np.array(stored["log_abs_multipliers"])
+    for orbit, multipliers in (
+        (first, multipliers_by_product(first)),
+        (second, multipliers_by_iteration(second)),
+    ):
+        assert orbit.period == pytest.approx(stored["period"], abs=1e-12)
+        assert np.log(abs(multipliers)) == pytest.approx(expected, abs=1e-9)
+        assert (orbit.maxima - orbit.minima) / 2 == pytest.approx(
+            list(stored["half_peak_to_peak"].values()), abs=1e-11
+        )
 
 
 @needs_auto
