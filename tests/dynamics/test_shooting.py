@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 
 import rainwind as rw
 from rainwind.dynamics.collocation import Grid, Mesh
+from rainwind.dynamics.cycle_zoo import suspended
 from rainwind.dynamics.cycle_zoo.van_der_pol import TABLE
 from rainwind.dynamics.orbit_equations import OrbitEquations, OrbitNode
 from rainwind.dynamics.orbit_results import Orbit
@@ -33,8 +34,9 @@ def exact_circle():
     grid = Grid.even(Mesh(60, 5))
     turn = 2 * np.pi * (grid.nodes[:, None] + [0.0, -0.25])
     return Orbit(
-        CIRCLE.states, dict(CIRCLE.parameters), PERIOD, grid, np.sqrt(0.3) * np.cos(turn),
-        np.array([-0.6 * PERIOD + 0j]), 0j, 0.0, 0.0, 0.0,
+        states=CIRCLE.states, parameters=dict(CIRCLE.parameters), period=PERIOD, grid=grid,
+        profile=np.sqrt(0.3) * np.cos(turn), exponents=np.array([-0.6 * PERIOD + 0j]), trivial=0j,
+        liouville=0.0, residual=0.0,
     )  # fmt: skip
 
 
@@ -186,6 +188,18 @@ def test_differences_see_what_differs_and_no_shift_of_phase():
     assert shot.differences(other)["multipliers"] == pytest.approx(0.01, rel=0.01)
     turned = replace(orbit, exponents=orbit.exponents + 1j * np.pi)
     assert shot.differences(turned)["multipliers"] == pytest.approx(2.0)
+
+
+def test_a_state_that_should_vanish_gets_no_tiny_unit():
+    """A cycle in a plane, started 1e-6 beside it: as units, such states would ask for a thousand segments."""
+    known = suspended.zero_hopf()
+    cycle = next(c for mu in np.linspace(*known.until, 9) for c in known.cycles({known.along: mu}))
+    shot = shoot(known.system.with_parameters(cycle.parameters), cycle.at(0.0) + 1e-6, period=cycle.period)
+    assert shot.converged
+    assert len(shot.times) == 20
+    assert shot.period == pytest.approx(cycle.period, rel=1e-10)
+    expected = cycle.exponents[np.argsort(-cycle.exponents.real, kind="stable")]
+    assert shot.log_multipliers.real == pytest.approx(expected.real, abs=1e-8)
 
 
 def test_an_orbit_round_twice_says_so():

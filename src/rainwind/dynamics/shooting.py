@@ -356,10 +356,10 @@ def _refusals(system: System, states: np.ndarray) -> list[str]:
 
 
 def _units(x: np.ndarray) -> np.ndarray:
-    """One unit of each state (n,): its range, but not below a thousandth of its size; some range where both vanish."""
+    """One unit of each state (n,): its range or a thousandth of its size; the largest unit where both vanish."""
     units = np.maximum(np.ptp(x, axis=0), 1e-3 * np.max(np.abs(x), axis=0))
     largest = float(np.max(units))
-    return np.where(units > 1e-12 * largest, units, largest) if largest > 0.0 else np.ones(units.size)
+    return np.where(units > 1e-5 * largest, units, largest) if largest > 0.0 else np.ones(units.size)
 
 
 def _multiplier_differences(

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from rainwind.dynamics.kernels.tangents import jacobian_at, second_orders
+from rainwind.dynamics.kernels.tangents import jacobian_at
 from rainwind.dynamics.kernels.values import specialised
 from rainwind.dynamics.system import System
 
@@ -86,14 +86,11 @@ class Flow:
 
         def jacobian(_: float, y: np.ndarray) -> np.ndarray:
             at[:n] = y[:n] * self.units
-            vectors = np.zeros((n, at.size))
-            vectors[:, :n] = (self.units[:, None] * y[n:-1].reshape(n, n)).T
-            _, j, b = second_orders(*tape, at, directions, vectors)  # B(M_c, .) for each column c
+            j = jacobian_at(*tape, at, directions)[1] * ratio
             found = np.zeros((y.size, y.size))
-            found[:n, :n] = j * ratio
-            found[n:-1, :n] = (b * ratio).transpose(1, 0, 2).reshape(n * n, n)
-            found[n:-1, n:-1] = np.kron(j * ratio, np.eye(n))
-            return found  # the trace's own row stays zero: nothing depends on it, and Newton still converges
+            found[:n, :n] = j
+            found[n:-1, n:-1] = np.kron(j, np.eye(n))
+            return found  # how M' and q' vary with x is left out: Radau's Newton takes hardly a step more
 
         fast = self.rate(x) * span < STIFF
         y = self._solve(rhs, jacobian, np.concatenate([x, np.eye(n).ravel(), [0.0]]), np.array([span]), fast)
@@ -102,6 +99,7 @@ class Flow:
         return Transition(y[0, :n], y[0, n:-1].reshape(n, n).copy(), float(y[0, -1]), fast)
 
     def _solve(self, rhs, jacobian, start, times: np.ndarray, fast: bool) -> np.ndarray | None:
+        """All unknowns at rising times (k, .), by DOP853 where that is `fast`."""
         count = 0
 
         def counted(t: float, y: np.ndarray) -> np.ndarray:
@@ -122,10 +120,8 @@ class Flow:
                 )  # fmt: skip
         except _TooManyError:
             return self._solve(rhs, jacobian, start, times, False) if fast else None
-        except (
-            _RunsAwayError,
-            ValueError,
-        ):  # SciPy refuses steps that are zero and matrices that are not finite
+        # ValueError: SciPy refuses steps that are zero and matrices that are not finite
+        except (_RunsAwayError, ValueError):
             return None
         return run.y.T if run.status == 0 else None
 
