@@ -198,7 +198,7 @@ def _settled(system: System, x: np.ndarray, transient: float, mesh: Mesh) -> Orb
             return orbit
         seen.lags, seen.gaps = lags, gaps
         turns += len(lags)
-        if turns > TURNS or integration.count > EVALUATIONS or (turns == 0 and window > WITHOUT_TURN):
+        if turns > TURNS or integration.count > EVALUATIONS or (not len(lags) and window > WITHOUT_TURN):
             break
         span = 2.0 * span
     raise ComputationError(_not_settled(seen, elapsed, _spreads(integration, x, units, seen.lags)))
