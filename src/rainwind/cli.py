@@ -1,4 +1,4 @@
-"""The command line: `rainwind paper`, `figure`, `equilibria`, `hopf-map`, `new`, `check`.
+"""The command line: `rainwind paper`, `figure`, `equilibria`, `diagram`, `hopf-map`, `new`, `check`.
 
 Nothing heavy is imported before a command needs it, so that `rainwind --help` answers at once.
 """
@@ -183,6 +183,46 @@ def hopf_map(
     """Draw where the equilibria lose stability over wind speed and damping."""
     _not_the_case(image_path(out), case)
     _draw("hopf_map", _model(case), out)
+
+
+@app.command()
+def diagram(
+    case: Case = None,
+    along: Annotated[
+        str, typer.Option("--along", metavar="NAME", help="Parameter to vary, such as section.damping_ratio.")
+    ] = "wind.speed",
+    until: Annotated[
+        tuple[str, str] | None,
+        typer.Option("--until", metavar="LOW HIGH", help="Its range, in m/s or with units: '0.05 %' '1 %'."),
+    ] = None,
+    out: Annotated[Path, typer.Option("--out", help="Image file (.png, .svg, .pdf).")] = Path("diagram.png"),
+    table: Annotated[
+        bool, typer.Option("--csv", help="Write every branch beside the image, as .csv files.")
+    ] = False,
+) -> None:
+    """Compute and draw everything over wind speed: all states of rest, all vibrations, what is stable where."""
+    _not_the_case(image_path(out), case)
+    model = _model(case)
+    study = import_module("rainwind.studies.full_diagram")
+    window = study.window_from_text(along, until) if until else None
+    make_folder(out.parent)
+    announce_compilation()
+    with progress_bar() as bar, stopping_between_steps():
+        task = bar.add_task("starting", total=None)
+
+        def progress(done: int, total: int, what: str) -> None:
+            bar.update(task, completed=done, total=total, description=what)
+            raise_if_asked()
+
+        found = study.compute(model, along, window, progress=progress)
+    with unfinished(out) as part:
+        study.save(found, part)
+    for sentence in study.summary(found):
+        typer.echo(sentence)
+    written = [out, *(study.save_tables(found, out) if table else ())]
+    if found.interrupted:
+        raise KeyboardInterrupt(f"stopped; what was finished is in {', '.join(map(str, written))}")
+    typer.echo(f"written to {', '.join(map(str, written))}")
 
 
 @app.command()

@@ -22,7 +22,8 @@ from rainwind.dynamics.results import Branch, Equilibrium
 from rainwind.dynamics.system import System
 
 _AT = 1e-9  # of the branch's span: a point this near to the value is there
-_ALIKE = 2e-3  # of an orbit's size: two orbits that differ less all along are one
+_ALIKE = 2e-3  # of an orbit's size: two orbits of different branches that differ less all along are one
+_SAME = 2e-5  # the same for orbits of one branch, which may be close to each other at a fold
 
 
 def equilibria_at(system: System, branch: Branch, value: float) -> list[Equilibrium]:
@@ -76,7 +77,7 @@ def orbits_at(system: System, branch: OrbitBranch, value: float, *, like: Orbit 
         if like is not None and not _fits(orbits[i], orbits[j], like):
             continue
         orbit = _orbit_between(system, along, orbits[i], orbits[j], value, span or 1.0)
-        if orbit is not None and not any(same_orbit(orbit, other) for other in found):
+        if orbit is not None and not any(same_orbit(orbit, other, alike=_SAME) for other in found):
             found.append(orbit)
     if like is None:
         for orbit in _beside_birth(system, branch, value):
@@ -96,7 +97,9 @@ def _orbit_between(system: System, along: str, a: Orbit, b: Orbit, value: float,
         secant = chord / length
         start = OrbitNode(first, secant, grid=b.grid)
         end = OrbitNode(last, secant, length, grid=b.grid)
-        node = zero_between(problem, start, end, lambda node: node.u[-1] - value)
+        near = zero_between(problem, start, end, lambda node: node.u[-1] - value)
+        # in the fold itself only the orbit beside the value is to be had
+        node = near and (_at_value(problem, near.u.copy(), value, 1e-3 * length) or near)
     return None if node is None else problem.orbit(node)
 
 
@@ -168,22 +171,25 @@ def same_state(a: np.ndarray, b: np.ndarray, turns: np.ndarray | None = None) ->
     return bool(np.all(np.abs(difference) <= 1e-6 * state_scale(a)))
 
 
-def same_orbit(a: Orbit, b: Orbit) -> bool:
-    """Whether two orbits are one, whatever their phases."""
+def same_orbit(a: Orbit, b: Orbit, *, alike: float = _ALIKE) -> bool:
+    """Whether two orbits are one, whatever their phases: nowhere farther apart than this part of their size."""
     if abs(a.period - b.period) > 1e-4 * a.period:
         return False
     phases = np.arange(256) / 256
     x, y = a.grid.at(a.profile, phases), b.grid.at(b.profile, phases)
-    size = np.ptp(x, axis=0).max()
-    if np.any(np.abs(x.mean(axis=0) - y.mean(axis=0)) > _ALIKE * (size + 1e-3)):
+    size = float(np.ptp(x, axis=0).max())
+    if np.any(np.abs(x.mean(axis=0) - y.mean(axis=0)) > alike * (size + 1e-3)):
         return False
     spectrum = np.conj(np.fft.rfft(x, axis=0)) * np.fft.rfft(y, axis=0)
-    best = int(np.argmax(np.fft.irfft(spectrum, 256, axis=0).sum(axis=1)))
-    # the best shift lies within half a sample of this one
-    for shift in np.linspace(-0.5, 0.5, 21):
-        moved = b.grid.at(b.profile, np.mod(phases + (best + shift) / 256, 1.0))
-        if np.max(np.abs(moved - x)) < _ALIKE * size + 1e-9:
+    shift = float(np.argmax(np.fft.irfft(spectrum, 256, axis=0).sum(axis=1)))
+    for width in (0.5, 0.05, 0.005):  # samples within which the best shift lies
+        found = []
+        for step in np.linspace(-width, width, 21).tolist():
+            moved = b.grid.at(b.profile, np.mod(phases + (shift + step) / 256, 1.0))
+            found.append((float(np.max(np.abs(moved - x))), step))
+        if min(found)[0] < alike * size + 1e-9:
             return True
+        shift += min(found)[1]
     return False
 
 

@@ -108,7 +108,7 @@ class Diagram:
                     equilibria.append((one, k))
         for k, orbit_branch in enumerate(self.orbits):
             for orbit in orbits_at(self.system, orbit_branch, value):
-                if not any(same_orbit(orbit, other) for other, _ in orbits):
+                if not any(same_orbit(orbit, other) for other, branch_of in orbits if branch_of != k):
                     orbits.append((orbit, k))
         return Coexisting(
             self.along, value, tuple(e for e, _ in equilibria), tuple(o for o, _ in orbits),

@@ -1,0 +1,117 @@
+"""`rainwind diagram`: what it prints and writes, its units, and what it says to wrong input."""
+
+import csv
+from pathlib import Path
+
+import pytest
+from matplotlib.figure import Figure
+from typer.testing import CliRunner
+
+import rainwind as rw
+from rainwind.cli import app
+from rainwind.dynamics import zoo
+from rainwind.physics import paper_model
+from rainwind.plotting.diagram import Panel, decimals, draw_panels
+from rainwind.studies import full_diagram
+
+
+def run(*arguments: object, fine: int = 0) -> tuple[str, str]:
+    plain = {"COLUMNS": "200", "NO_COLOR": "1", "TERM": "dumb"}
+    result = CliRunner(env=plain).invoke(app, ["diagram", *map(str, arguments)])
+    assert result.exit_code == fine, (result.output, result.exception)
+    assert "Traceback" not in result.output
+    return result.stdout, result.stderr
+
+
+def test_the_sample_case(tmp_path: Path):
+    # Hopf 14.799 and Neimark-Sacker 10.853 m/s as AUTO-07p found them (issue 3); 15 m/s is 54 km/h
+    out, err = run("--until", "10", "54 km/h", "--out", tmp_path / "new" / "d.svg", "--csv")
+    assert "the paper's sample case" in err
+    first, second, third, written = out.splitlines()
+    assert first == "10.00-10.85 m/s: rest, rivulet at 185°"
+    assert second.startswith(
+        "10.85-14.80 m/s: rest, rivulet at 185 to 190°; vibration, y ±0.000 to 0.258 m, z ±"
+    )
+    assert third == "14.80-15.00 m/s: rest, rivulet at 32°; rest, rivulet at 190°"
+    assert written.startswith("written to ")
+    text = (tmp_path / "new" / "d.svg").read_text(encoding="utf-8")
+    assert text.startswith("<?xml")
+    with (tmp_path / "new" / "d_special_points.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["kind"] for row in rows] == ["lpc", "ns", "lpc", "hopf"]
+    assert float(rows[1]["wind.speed [m/s]"]) == pytest.approx(10.8525928, abs=1e-6)
+    with (tmp_path / "new" / "d_orbits_0.csv").open(encoding="utf-8") as file:
+        header = next(csv.reader(file))
+    assert header[:3] == ["wind.speed [m/s]", "period [s]", "min y [m]"]
+
+
+def test_along_the_damping_ratio(tmp_path: Path):
+    # section 5: the critical damping ratio of the sample calculation at 9 m/s is 0.7 %
+    out, _ = run("--along", "section.damping_ratio", "--until", "0.6 %", "0.8 %", "--out", tmp_path / "d.png")
+    ends = [line.split(" %:")[0] for line in out.splitlines()[:-1]]
+    assert ends == ["0.6000-0.6940", "0.6940-0.8000"]
+    assert (tmp_path / "d.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--out", "d.txt"], "no image format"),
+        (["--along", "wind.sped"], "no parameter 'wind.sped'. Did you mean 'wind.speed'?"),
+        (["--along", "wind.yaw"], "no default; say until where"),
+        (["--along", "wind.yaw", "--until", "0", "20"], "--until '0' has no unit; write an angle"),
+        (["--until", "5", "soon"], "--until 'soon' is not a number with a unit"),
+        (["--until", "20", "5"], "the first must be the smaller"),
+        (["--until", "-1", "5"], "leaves what the model allows"),
+    ],
+)
+def test_bad_arguments(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], words: str):
+    monkeypatch.chdir(tmp_path)
+    _, err = run(*arguments, fine=2)
+    assert words in err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_interrupt_draws_what_is_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    told: list[int] = []
+
+    def stop() -> None:
+        told.append(1)
+        if len(told) == 60:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr("rainwind.cli.raise_if_asked", stop)
+    out, err = run("--until", "10", "15", "--out", tmp_path / "d.png", fine=130)
+    assert "interrupted by the user: branches are missing" in out
+    assert f"stopped; what was finished is in {tmp_path / 'd.png'}" in err
+    assert (tmp_path / "d.png").exists()
+
+
+def test_a_case_with_two_degrees_of_freedom_has_no_panel_for_z():
+    found = full_diagram.compute(paper_model(degrees_of_freedom=2), until=(14.0, 18.0))
+    figure = full_diagram.draw(found, Figure())
+    assert [axes.get_ylabel() for axes in figure.axes] == [
+        "amplitude of $y$ (m)", "rivulet angle $\\phi$ (°)",
+    ]  # fmt: skip
+
+
+def test_any_system_can_be_drawn():
+    known = zoo.brusselator()
+    found = rw.diagram(known.system, "b", until=known.until)
+    figure = draw_panels(found, Figure(), [Panel("x", "x"), Panel("y", "y", amplitude=True)])
+    first, second = figure.axes
+    assert [text.get_text() for text in first.texts] == ["Hopf 2.00"]
+    assert not second.texts  # each name once
+    # rest until b = 2, then both extremes of the orbit, drawn through to the Hopf point at (2, 1)
+    curves = [line.get_xydata() for line in first.lines if len(line.get_xdata()) > 1]
+    assert len(curves) == 4
+    assert all(min(abs(curve - [2.0, 1.0]).max(axis=1)) < 1e-9 for curve in curves)
+    (legend,) = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == [
+        "rest, stable", "rest, unstable", "orbit, stable", "a stable orbit exists", "Hopf point",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("span", "digits"), [(16.0, 2), (4.8, 2), (0.85, 3), (300.0, 1), (4000.0, 0)])
+def test_decimals_show_a_thousandth_of_the_range(span: float, digits: int):
+    assert decimals(span) == digits
