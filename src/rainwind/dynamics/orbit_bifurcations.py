@@ -37,7 +37,7 @@ FARTHEST = -12.0  # log|mu| below which nothing is watched: what is far inside t
 
 @dataclass(frozen=True)
 class OrbitInspector(Inspector):
-    """Reads orbits of a walk: a branch in one parameter or, with another `watch`, a curve in two.
+    """Reads orbits of a walk: a branch in one parameter (`BranchInspector`) or, with another `watch`, a curve in two.
 
     watch: the exponents of a node that may cross the unit circle.
     """
@@ -59,20 +59,6 @@ class OrbitInspector(Inspector):
             k for k in changes.pairs if np.pi == abs(a.watched[k].imag) == abs(b.watched[k].imag)
         )
         return replace(changes, negative=negative, pairs=tuple(k for k in changes.pairs if k not in negative))
-
-    def explain(self, a: Probe, b: Probe, points: list[Any], unexplained: list[Unexplained]) -> None:
-        """As of equilibria; changes crowded at one place may be a branch point that the mesh has torn apart."""
-        found: list[Any] = []
-        gaps: list[Unexplained] = []
-        super().explain(a, b, found, gaps)
-        if gaps and max(g.between[1] for g in gaps) - min(g.between[0] for g in gaps) < _TORN:
-            at = gaps[0].between[0]
-            fraction = (at - a.node.arclength) / (b.node.arclength - a.node.arclength)
-            point = _locate_branch_point(self.problem, a, b, fraction)
-            if point is not None and point.certificate.holds:
-                found, gaps = [*found, point], []
-        points += found
-        unexplained += gaps
 
     def read(self, nodes: Sequence[Any]) -> tuple[list[OrbitPoint], list[Unexplained]]:
         """All special points between the nodes of a walk, and the changes that none explains."""
@@ -118,14 +104,39 @@ class OrbitInspector(Inspector):
         )
 
 
+@dataclass(frozen=True)
+class BranchInspector(OrbitInspector):
+    """Reads a branch in one parameter, whose mesh may turn it or tear a branch point apart."""
+
+    def sorted_changes(self, changes: Changes, a: Probe, b: Probe) -> Changes:
+        """A turn with nothing that crosses is the mesh's: the parameter hardly moves near a homoclinic orbit."""
+        if changes.tests == (True, False) and not (changes.real or changes.pairs):
+            return Changes((False, False), (), ())
+        return super().sorted_changes(changes, a, b)
+
+    def explain(self, a: Probe, b: Probe, points: list[Any], unexplained: list[Unexplained]) -> None:
+        """As of equilibria; changes crowded at one place may be a branch point that the mesh has torn apart."""
+        found: list[Any] = []
+        gaps: list[Unexplained] = []
+        super().explain(a, b, found, gaps)
+        if gaps and max(g.between[1] for g in gaps) - min(g.between[0] for g in gaps) < _TORN:
+            at = gaps[0].between[0]
+            fraction = (at - a.node.arclength) / (b.node.arclength - a.node.arclength)
+            point = _locate_branch_point(self.problem, a, b, fraction)
+            if point is not None and point.certificate.holds:
+                found, gaps = [*found, point], []
+        points += found
+        unexplained += gaps
+
+
 def near_circle(exponents: Complex) -> Complex:
     """Exponents with those far inside the circle cut off: their changes are noise."""
     return np.maximum(exponents.real, FARTHEST) + 1j * exponents.imag
 
 
-def orbit_inspector(problem: OrbitEquations) -> OrbitInspector:
+def orbit_inspector(problem: OrbitEquations) -> BranchInspector:
     """Reads a branch of orbits in one parameter: lpc, pd, ns, bp."""
-    return OrbitInspector(problem, (True, False), _classify, _locate)
+    return BranchInspector(problem, (True, False), _classify, _locate)
 
 
 def _classify(changes: Changes) -> str | None:
@@ -192,7 +203,7 @@ def solve_branch_point(problem: OrbitEquations, u: np.ndarray) -> tuple[np.ndarr
     """
     size = problem.profile_size
     rows, corner = np.zeros((3, size)), np.zeros((3, 3))
-    rows[0] = problem.phase_row(problem.profile(u), problem.profile(u))
+    rows[0] = problem.phase_row(u, u)
     target = rows[0] @ u[:size]
     u, b = u.copy(), 0.0
     borders = direction = None
@@ -244,7 +255,7 @@ def describe(
         angle = float(pairs[np.argmin(np.abs(pairs.real))].imag)
     found = bordered(problem, node.u, at, kind, angle or 0.0)
     checks["bordered determinant"] = (float(np.max(np.abs(found.values))), max(1e-6, error))
-    if kind != "lpc":  # there the trivial multiplier is double, and moves like the root of the error
+    if kind not in ("lpc", "bp"):  # there the trivial multiplier is double, and means nothing
         checks["trivial multiplier"] = (abs(node.trivial), max(1e-6, error))
     if kind == "lpc":
         coefficient = lpc_coefficient(problem, node.u)
@@ -275,7 +286,7 @@ def crossing(problem: OrbitEquations, node: OrbitNode, at: Linearised) -> np.nda
     size, count = problem.profile_size, 1 + len(problem.along)
     across = node.tangent / problem.scale
     rows, corner = np.zeros((2, size)), np.zeros((2, count))
-    rows[0] = problem.phase_row(problem.profile(node.u), problem.profile(node.tangent * problem.scale))
+    rows[0] = problem.phase_row(node.u, node.tangent * problem.scale)
     rows[1], corner[1] = across[:size], across[size:]
     random = np.random.default_rng(0)
     steps = at.steps.copy()
