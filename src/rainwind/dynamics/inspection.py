@@ -66,7 +66,8 @@ class Inspector:
     """How one kind of curve is read.
 
     continuous: whether each test value is continuous or only a sign; classify: Changes -> kind of point, or None
-    where they fit none; locate: problem, kind, two probes, changes -> the point, or None when it could not be located there.
+    where they fit none; locate: problem, kind, two probes, changes -> the point, or None when it could not be located
+    there.
     """
 
     problem: Any

@@ -160,10 +160,8 @@ def _start(
     problem = OrbitEquations(system, (along,), grid, units, period, np.array([unit]), mesh)
     u = np.concatenate([x.ravel(), [period, value]])
     point = start if isinstance(start, OrbitPoint) else None
-    if kind == "orbit":
-        node = first_node(problem, u)
-    else:
-        node = _beside(problem, u, _direction(problem, start, kind), ds)
+    begun = kind == "orbit"
+    node = first_node(problem, u) if begun else _beside(problem, u, _direction(problem, start, kind), ds)
     if node is None:
         raise ComputationError(f"the branch of orbits could not be started at {along} = {value:g}")
     return problem, node, _Beginning(kind, point)

@@ -1,8 +1,8 @@
 """The chain x_(j+1) = G_j x_j + g_j lambda + rho_j around an orbit, reduced to its two ends by reflections.
 
 Products of the G_j lose everything below rounding of the largest; marching along the chain is unstable where solutions
-both grow and decay. So the inner points are eliminated in pairs of equations by Householder reflections (Wright, SIAM J.
-Sci. Stat. Comput. 13 (1992) 742: structured orthogonal factorisation), which leaves
+both grow and decay. So the inner points are eliminated in pairs of equations by Householder reflections (Wright,
+SIAM J. Sci. Stat. Comput. 13 (1992) 742: structured orthogonal factorisation), which leaves
 
     P x_0 + Q x_N = d lambda + e,                                                      (ends)
     R_j x_j = V_j x_0 + U_j x_(j+1) + d_j lambda + e_j,   j = N - 1 ... 1.             (tops)
