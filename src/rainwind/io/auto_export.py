@@ -38,8 +38,8 @@ def export_to_auto(
     start: an Orbit or labelled orbit, which AUTO then follows (IPS = 2), or an equilibrium, a special point or a state
     near one (default: near zero), which it follows in its place (IPS = 1). along: the parameter (default: the first).
     until: its bounds, where AUTO stops and from which the steps are taken; AUTO goes upward, with DS < 0 downward.
-    AUTO numbers parameters: the mapping to names stands in both files. `auto -e`-style: `@r name`, or in AUTO's
-    Python `run('name')`. Raises InputError for bad input and ComputationError where there is no equilibrium.
+    AUTO numbers the parameters, and both files say which is which. In the folder, `@r name` runs it, or `run('name')`
+    in AUTO's Python. Raises InputError for bad input and ComputationError where there is no equilibrium.
     """
     system = as_system(model)
     if not system.parameters:
@@ -166,6 +166,13 @@ class _Code:
             op.ERF: f"2/sqrt({_literal(float(np.pi))})*exp(-{x}**2)",
         }[code]
         yield f"d{z} = ({slope})*d{a}"
+
+
+def _factor(by: str) -> str:
+    """A slope before the array that it multiplies."""
+    if by == "1":
+        return ""
+    return f"{by}*" if re.fullmatch(r"t\d+|u\(\d+\)|par\(\d+\)", by) else f"({by})*"
 
 
 _INFIX = {op.ADD: "+", op.SUB: "-", op.MUL: "*", op.DIV: "/", op.POWER: "**"}
