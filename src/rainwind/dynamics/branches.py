@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
+from itertools import pairwise
 
 import numpy as np
 
@@ -11,6 +13,8 @@ from rainwind.dynamics.inspection import Inspector
 from rainwind.dynamics.kernels.equations import HOPF
 from rainwind.dynamics.kernels.screening import unstable_counts
 from rainwind.dynamics.kernels.values import values
+from rainwind.dynamics.monitors import Event, Monitor, checked, events_between
+from rainwind.dynamics.monitors import values as values_of
 from rainwind.dynamics.nodes import Node, Nodes
 from rainwind.dynamics.results import Branch, Ended, Equilibrium, SpecialPoint, Unexplained
 from rainwind.dynamics.system import System, number
@@ -62,14 +66,19 @@ def follow(
     *,
     ds: float,
     limit: int,
+    monitors: Sequence[Monitor] = (),
 ) -> Branch:
     """Walk from a node both ways within the window and label what lies between."""
-    ahead = _half(problem, start, window, inspector, ds, limit)
+    system = problem.system
+    monitors = checked(monitors, (*system.states, *system.parameters))
+    ahead = _half(problem, start, window, inspector, ds, limit, monitors)
     halves = [ahead]
     if ahead.ended not in (Ended.CLOSED, Ended.INTERRUPTED):
         turned = problem.correct(start, start.u, -start.tangent)
         if turned is not None:
-            halves.insert(0, _half(problem, replace(turned, arclength=0.0), window, inspector, ds, limit))
+            halves.insert(
+                0, _half(problem, replace(turned, arclength=0.0), window, inspector, ds, limit, monitors)
+            )
     return _joined(kind, problem, halves)
 
 
@@ -77,9 +86,15 @@ class _Half:
     """One direction of a branch, its arclength counted from the start."""
 
     def __init__(
-        self, nodes: Nodes, ended: Ended, points: list[SpecialPoint], gaps: list[Unexplained]
+        self,
+        nodes: Nodes,
+        ended: Ended,
+        points: list[SpecialPoint],
+        gaps: list[Unexplained],
+        recorded: dict[str, np.ndarray],
     ) -> None:
         self.nodes, self.ended, self.points, self.gaps = nodes, ended, points, gaps
+        self.recorded = recorded
 
 
 def _half(
@@ -89,13 +104,18 @@ def _half(
     inspector: Inspector,
     ds: float,
     limit: int,
+    monitors: Sequence[Monitor],
 ) -> _Half:
+    stops = [monitor for monitor in monitors if monitor.at_zero == "stop"]
     walk = Walk(problem, start, ds=ds, window=window)
     parts = [Nodes.of([start])]
-    count, ended = 0, None
+    count, ended, stop = 0, None, None
     try:
         for nodes in walk.chunks():
             nodes, ended = _cut(problem, start, parts[-1], nodes, count)
+            if stops:
+                nodes, stop = _up_to_event(problem, parts[-1][-1], nodes, stops)
+                ended = ended if stop is None else Ended.AT_CONDITION
             if len(nodes):
                 parts.append(nodes)
             count += len(nodes)
@@ -115,9 +135,58 @@ def _half(
         everything = everything.followed_by(part)
     points, gaps = inspector.labels(everything)
     ended = ended or walk.ended
+    events = [*_events(problem, everything, monitors), *([stop] if stop is not None else [])]
+    points = sorted([*points, *(_label(problem, event) for event in events)], key=lambda p: p.arclength)
     if problem.kind == HOPF:
         everything, points, gaps, ended = _up_to_bogdanov_takens(everything, points, gaps, ended)
-    return _Half(everything, ended, points, gaps)  # type: ignore[arg-type]
+    recorded = values_of(monitors, [_point(problem, node) for node in everything] if monitors else [])
+    return _Half(everything, ended, points, gaps, recorded)  # type: ignore[arg-type]
+
+
+def _point(problem: Equations, node: Node) -> Equilibrium:
+    """A node as a result."""
+    system, n = problem.system, len(problem.system.states)
+    residual = float(np.max(np.abs(values(*system.tape.arrays, problem.inputs(node.u[None, :])))))
+    eigenvalues = node.eigenvalues[np.argsort(-node.eigenvalues.real, kind="stable")]
+    parameters = {**system.parameters, **problem.named(node.u)}
+    return Equilibrium(system.states, node.u[:n], parameters, eigenvalues, residual)
+
+
+def _up_to_event(
+    problem: Equations, before: Node, nodes: Nodes, stops: Sequence[Monitor]
+) -> tuple[Nodes, Event | None]:
+    """The nodes up to the first zero of a monitor that stops the walk, that one included; all where there is none."""
+    as_point = partial(_point, problem)
+    a, first = before, [monitor.value(as_point(before)) for monitor in stops]
+    for i, b in enumerate(nodes):
+        last = [monitor.value(as_point(b)) for monitor in stops]
+        for event in events_between(stops, problem, a, b, first, last, as_point):
+            # a walk that begins in a zero does not end there at once
+            if event.node.arclength > 1e-9:
+                end = Nodes.of([event.node])
+                return nodes[:i].followed_by(end) if i else end, event
+        a, first = b, last
+    return nodes, None
+
+
+def _events(problem: Equations, nodes: Nodes, monitors: Sequence[Monitor]) -> list[Event]:
+    """Every zero of the monitors that label, between the nodes."""
+    monitors = [monitor for monitor in monitors if monitor.at_zero == "label"]
+    as_point = partial(_point, problem)
+    rows = [[monitor.value(as_point(node)) for monitor in monitors] for node in nodes] if monitors else []
+    found: list[Event] = []
+    for i, (before, after) in enumerate(pairwise(rows)):
+        if any((x > 0) != (y > 0) for x, y in zip(before, after, strict=True)):
+            found += events_between(monitors, problem, nodes[i], nodes[i + 1], before, after, as_point)
+    return found
+
+
+def _label(problem: Equations, event: Event) -> SpecialPoint:
+    at = _point(problem, event.node)
+    return SpecialPoint(
+        "event", at.states, at.state, at.parameters, problem.along, at.eigenvalues, event.node.arclength,
+        event.certificate(at.residual), note=event.monitor.name,
+    )  # fmt: skip
 
 
 def _cut(
@@ -171,17 +240,20 @@ def _turned(half: _Half) -> _Half:
         replace(g, between=(-g.between[1], -g.between[0]), parameters=g.parameters[::-1], change=-g.change)
         for g in half.gaps[::-1]
     ]
-    return _Half(nodes, half.ended, points, gaps)
+    return _Half(
+        nodes, half.ended, points, gaps, {name: column[::-1] for name, column in half.recorded.items()}
+    )
 
 
 def _joined(kind: str, problem: Equations, halves: list[_Half]) -> Branch:
     """Both halves in one direction, the arclength counted from the first point."""
     forward = halves[-1]
-    nodes, points, gaps = forward.nodes, forward.points, forward.gaps
+    nodes, points, gaps, recorded = forward.nodes, forward.points, forward.gaps, forward.recorded
     if len(halves) == 2:
         backward = _turned(halves[0])
         nodes = backward.nodes[:-1].followed_by(nodes)
         points, gaps = backward.points + points, backward.gaps + gaps
+        recorded = {k: np.append(backward.recorded[k][:-1], column) for k, column in recorded.items()}
     system, n, q = problem.system, len(problem.system.states), len(problem.along)
     u, shift = nodes.u, float(nodes.arclength[0])
     residual = np.max(np.abs(values(*system.tape.arrays, problem.inputs(u))), axis=1)
@@ -200,4 +272,5 @@ def _joined(kind: str, problem: Equations, halves: list[_Half]) -> Branch:
         special=tuple(replace(p, arclength=p.arclength - shift) for p in points),
         ended=(halves[0].ended, forward.ended),
         unexplained=tuple(replace(g, between=(g.between[0] - shift, g.between[1] - shift)) for g in gaps),
+        recorded=recorded,
     )

@@ -6,6 +6,7 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.polynomial import legendre
 
+from rainwind.dynamics.kernels import profiles as kernel
 from rainwind.errors import InputError
 
 
@@ -153,10 +154,9 @@ class Grid:
 
     def at(self, x: np.ndarray, times: np.ndarray) -> np.ndarray:
         """A profile (N m + 1, ...) at times (k,) in [0, 1]."""
-        interval = np.clip(np.searchsorted(self.times, times, side="right") - 1, 0, len(self.lengths) - 1)
-        local = (times - self.times[interval]) / self.lengths[interval]
-        values = self.basis.at(local)
-        return np.einsum("tk,tk...->t...", values, self.pieces(x)[interval])
+        flat = np.ascontiguousarray(x).reshape(len(x), -1)
+        found = kernel.interpolated(self.times, self.basis.nodes, self.basis.barycentric, flat, times)
+        return found.reshape(len(times), *x.shape[1:])
 
     def next_derivative(self, x: np.ndarray, scale: np.ndarray) -> np.ndarray:
         """The size (N,) of the derivative of order m + 1 in each interval, states divided by `scale`.
@@ -164,10 +164,7 @@ class Grid:
         The derivative of order m is constant in each interval; its differences between neighbours, round the
         period, estimate the next one (de Boor 1973; AUTO does the same).
         """
-        h = self.lengths
-        top = np.einsum("k,jkn->jn", self.basis.top, self.pieces(x)) / h[:, None] ** self.degree
-        before = np.linalg.norm((top - np.roll(top, 1, axis=0)) / scale, axis=1) / (0.5 * (h + np.roll(h, 1)))
-        return 0.5 * (before + np.roll(before, -1))
+        return kernel.next_derivative(self.basis.top, self.lengths, x, scale)
 
     def error(self, x: np.ndarray, scale: np.ndarray) -> float:
         """An estimate of the largest error of a profile anywhere, states divided by `scale`.
@@ -175,13 +172,8 @@ class Grid:
         Between mesh points the error is the derivative of order m + 1 times h^(m + 1) times the largest value of
         the integral of prod (t - t_i) / m! over the interval.
         """
-        m = self.degree
-        t = np.linspace(0.0, 1.0, 101)
-        product = np.polynomial.Polynomial.fromroots(self.basis.points)
-        bound = np.max(np.abs(product.integ()(t) - product.integ()(0.0))) / float(
-            np.prod(np.arange(1, m + 1))
-        )
-        return float(bound * np.max(self.lengths ** (m + 1) * self.next_derivative(x, scale)))
+        size = self.lengths ** (self.degree + 1) * self.next_derivative(x, scale)
+        return float(self.basis.error * np.max(size))
 
     def adapted(self, x: np.ndarray, scale: np.ndarray, intervals: int | None = None) -> "Grid":
         """The mesh on which the profile's error is spread evenly, with as many intervals or another number."""

@@ -10,6 +10,7 @@ from rainwind.dynamics.branches import check_states, check_steps, follow, window
 from rainwind.dynamics.codimension_two import fold_curve_inspector, hopf_curve_inspector
 from rainwind.dynamics.equations import Equations
 from rainwind.dynamics.kernels.equations import FOLD, HOPF
+from rainwind.dynamics.monitors import Monitor
 from rainwind.dynamics.newton import null_vectors, state_scale
 from rainwind.dynamics.nodes import Node
 from rainwind.dynamics.results import Branch, SpecialPoint
@@ -26,14 +27,16 @@ def continue_fold(
     until: Mapping[str, tuple[float, float]],
     ds: float = 0.05,
     limit: int = 20_000,
+    monitors: Sequence[Monitor] = (),
 ) -> Branch:
     """The curve of folds through a fold (or cusp, Bogdanov-Takens, fold-Hopf point) in two parameters.
 
-    until: a window for each parameter, which counts as 20 units of arclength. Special points: cusp, bt, zh. Raises
-    InputError for bad input and ComputationError when the curve could not be started.
+    until: a window for each parameter, which counts as 20 units of arclength. Special points: cusp, bt, zh. monitors:
+    functions of the point to record, label or stop at. Raises InputError for bad input and ComputationError when the
+    curve could not be started.
     """
     _allowed(start, ("fold", "cusp", "bt", "zh"), "continue_fold")
-    return _curve("fold", as_system(model), along, start, until, ds, limit)
+    return _curve("fold", as_system(model), along, start, until, ds, limit, monitors)
 
 
 def continue_hopf(
@@ -44,6 +47,7 @@ def continue_hopf(
     until: Mapping[str, tuple[float, float]],
     ds: float = 0.05,
     limit: int = 20_000,
+    monitors: Sequence[Monitor] = (),
 ) -> Branch:
     """The curve of Hopf points through a Hopf point in two parameters.
 
@@ -51,7 +55,7 @@ def continue_hopf(
     pairs (hh) the pair of the first frequency is followed. Arguments and errors as `continue_fold`.
     """
     _allowed(start, ("hopf", "gh", "zh", "hh"), "continue_hopf")
-    return _curve("hopf", as_system(model), along, start, until, ds, limit)
+    return _curve("hopf", as_system(model), along, start, until, ds, limit, monitors)
 
 
 def _curve(
@@ -62,6 +66,7 @@ def _curve(
     until: Mapping[str, tuple[float, float]],
     ds: float,
     limit: int,
+    monitors: Sequence[Monitor],
 ) -> Branch:
     check_steps(ds, limit)
     check_states(system, start)
@@ -105,7 +110,7 @@ def _curve(
         raise ComputationError(f"the {kind} curve could not be started from {start}")
     inspector = (fold_curve_inspector if kind == "fold" else hopf_curve_inspector)(problem)
     numbered = {n + k: bounds for k, bounds in enumerate(window)}
-    return follow(kind, problem, node, numbered, inspector, ds=ds, limit=limit)
+    return follow(kind, problem, node, numbered, inspector, ds=ds, limit=limit, monitors=monitors)
 
 
 def windows_of(

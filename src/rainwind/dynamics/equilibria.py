@@ -11,6 +11,7 @@ from rainwind.dynamics.branches import check_states, check_steps, follow, window
 from rainwind.dynamics.continuation import Walk
 from rainwind.dynamics.equations import Equations, smallest_step
 from rainwind.dynamics.kernels.equations import EQUILIBRIUM
+from rainwind.dynamics.monitors import Monitor
 from rainwind.dynamics.newton import null_vectors, solve_equilibrium, spectrum, state_scale
 from rainwind.dynamics.nodes import Node
 from rainwind.dynamics.results import Branch, Equilibria, Equilibrium, SpecialPoint
@@ -70,17 +71,20 @@ def continue_equilibria(
     start: Any = None,
     ds: float = 0.05,
     limit: int = 20_000,
+    monitors: Sequence[Monitor] = (),
 ) -> Branch:
     """The branch of equilibria through `start` in one parameter, within the window `until`, in both directions.
 
     start: a state by name or in order (Newton goes from there at the model's parameter value), an Equilibrium, or a
     special point; a branch point leads onto the other branch. ds: first and largest step of arclength; states count
     as they are (divided by their start where that exceeds 1), the window counts as 20. limit: points a direction.
+    monitors: functions of the point to record, label or stop at (`Monitor`).
     Raises InputError for bad input and ComputationError when not even the start could be computed.
     """
     check_steps(ds, limit)
     problem, node, window = _start(model, along, start, until, ds)
-    return follow("equilibria", problem, node, window, equilibrium_inspector(problem), ds=ds, limit=limit)
+    inspector = equilibrium_inspector(problem)
+    return follow("equilibria", problem, node, window, inspector, ds=ds, limit=limit, monitors=monitors)
 
 
 def walk_equilibria(

@@ -8,6 +8,7 @@ from rainwind.dynamics.kernels import chain
 from rainwind.dynamics.nodes import Node
 from rainwind.dynamics.orbit_conditions import (
     SCALARS,
+    Condition,
     OrbitBorders,
     condition,
     null_profile,
@@ -50,12 +51,12 @@ class OrbitCurveEquations(OrbitEquations):
         count = 1 + len(self.along) + self.extras
         across = tangent / self.scale
         rows, corner = np.zeros((count, size)), np.zeros((count, count))
-        rows[0] = self.phase_row(self.profile(u), self.profile(tangent * self.scale))
+        rows[0] = self.phase_row(u, tangent * self.scale)
         rows[-1], corner[-1] = across[:size], across[size:]
         target = np.array([rows[0] @ u[:size], across @ u])
         right = np.zeros((count, 2))
         right[-1, 1] = 1.0
-        u = u.copy()
+        predicted, u = u, u.copy()
         borders = near.critical if isinstance(near, OrbitCurveNode) else None
         sizes: list[float] = []
         for iteration in range(NEWTON_LIMIT):
@@ -82,36 +83,35 @@ class OrbitCurveEquations(OrbitEquations):
                 return None
             u += step
             if self.settled(sizes):
+                if self.collapsed(u, predicted):
+                    return None
                 turned = np.concatenate([x[:, :, 1].ravel(), lam[:, 1]]) / self.scale
                 turned /= np.linalg.norm(turned)
                 return self._node(near, u, turned, iteration, at, found, by[:scalars])
             sizes.append(self.change(step, u))
         return None
 
-    def _node(self, near, u, turned, iteration, at: Linearised, found, by) -> OrbitCurveNode:  # type: ignore[no-untyped-def]
-        age = near.age + 1 if isinstance(near, OrbitNode) and near.grid is self.grid else 1
+    def _node(
+        self,
+        near: Node,
+        u: np.ndarray,
+        tangent: np.ndarray,
+        iterations: int,
+        at: Linearised,
+        found: Condition,
+        by: np.ndarray,
+    ) -> OrbitCurveNode:
         exponents, trivial, liouville = self.floquet(u, at)
         tests = np.zeros(2)
         if self.kind == "lpc":
             # the derivative of g along the null vector: the quadratic coefficient but for its size
-            profile = null_profile(at, found)
-            along = np.append(profile.ravel(), found.rest[0, 0]) / self.scale[: self.profile_size + 1]
-            scaled = by[0, : self.profile_size + 1] * self.scale[: self.profile_size + 1]
-            tests[0] = scaled @ along / np.linalg.norm(along)
+            scale = self.scale[: self.profile_size + 1]
+            along = np.append(null_profile(at, found).ravel(), found.rest[0, 0]) / scale
+            tests[0] = (by[0, : scale.size] * scale) @ along / np.linalg.norm(along)
         elif self.kind == "ns":
             angle = self.angle(u)
             tests[1] = np.cos(angle) * (np.cos(angle) + 0.5)  # 1:4 and 1:3
         return OrbitCurveNode(
-            u,
-            turned,
-            0.0,
-            iteration,
-            tests,
-            exponents,
-            None,
-            self.grid,
-            trivial,
-            liouville,
-            age,
-            refreshed(found, at),
-        )
+            u, tangent, 0.0, iterations, tests, exponents, None, self.grid, trivial, liouville, self.age_after(near),
+            float(np.max(np.abs(self.defects(u)))), refreshed(found, at),
+        )  # fmt: skip

@@ -5,9 +5,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from rainwind.dynamics.collocation import Grid, Mesh
-from rainwind.dynamics.floquet import nontrivial_exponents, trivial_exponent
-from rainwind.dynamics.kernels import chain as ends
+from rainwind.dynamics.floquet import log_of_defect
+from rainwind.dynamics.kernels import chain
 from rainwind.dynamics.kernels import collocation as kernel
+from rainwind.dynamics.kernels import orbit_newton as newton
+from rainwind.dynamics.kernels.periodic_schur import log_multipliers
 from rainwind.dynamics.kernels.values import specialised, values
 from rainwind.dynamics.nodes import Node
 from rainwind.dynamics.orbit_results import Orbit, error_of
@@ -17,7 +19,6 @@ NEWTON_LIMIT = 8
 _STEPS_ON_A_GRID = 3
 # of the estimated error, in units of max(1, |state|): more intervals above, fewer below, not accepted above
 _COARSE, _FINE, USELESS = 1e-5, 1e-10, 1e-2
-_CHORD = 1e-2  # size of Newton's step below which the next one may use the same matrix
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,13 +26,15 @@ class OrbitNode(Node):
     """A periodic orbit on a walk: u holds the profile at all nodes of the grid, the period and the free parameters.
 
     eigenvalues (n - 1,): log mu of all multipliers but the trivial one; trivial: log of that one as computed;
-    liouville: sum of all log|mu| less the integral of trace J; age: steps since the grid was last adapted.
+    liouville: sum of all log|mu| less the integral of trace J; age: steps since the grid was last adapted; residual:
+    the largest defect.
     """
 
     grid: Grid = None  # type: ignore[assignment]  # always given
     trivial: complex = 0j
     liouville: float = 0.0
     age: int = 0
+    residual: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +134,7 @@ class OrbitEquations:
             exponents=node.eigenvalues,
             trivial=node.trivial,
             liouville=node.liouville,
-            residual=float(np.max(np.abs(self.defects(node.u)))),
+            residual=node.residual,
         )
 
     # -- the grid -----------------------------------------------------------------------------------------------------
@@ -185,61 +188,52 @@ class OrbitEquations:
         basis = self.grid.basis
         return kernel.defects(*self.tape, basis.values, basis.slopes, self.grid.lengths, x, period, p)
 
-    def phase_row(self, x: np.ndarray, direction: np.ndarray) -> np.ndarray:
+    @property
+    def rule(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Gauss weights, values and slopes of the basis, as the kernels take them."""
+        basis = self.grid.basis
+        return basis.weights, basis.values, basis.slopes
+
+    def phase_row(self, u: np.ndarray, direction: np.ndarray) -> np.ndarray:
         """The row of the phase condition: the integral of slope(x) times a disturbance, states in their units.
 
         Where the profile is a point (at a Hopf point) the direction of the branch gives the slope.
         """
-        b = self.grid.basis
-        if np.max(np.ptp(x, axis=0) / self.units) < 1e-9:
-            x = direction
-        row = kernel.phase_row(b.weights, b.values, b.slopes, self.grid.lengths, x, self.units)
-        return row / np.linalg.norm(row * self.scale[: row.size])
+        profile = np.ascontiguousarray(u[: self.profile_size])
+        return newton.reference_row(self.rule, self.grid.lengths, profile, direction, self.scale, self.units)
 
     def correct(self, near: Node, u: np.ndarray, tangent: np.ndarray) -> OrbitNode | None:
         """The orbit in the hyperplane through u across the tangent; None when Newton fails."""
-        size, count = self.profile_size, len(self.along) + 1
-        across = tangent / self.scale
-        rows = np.zeros((2, size))
-        corner = np.zeros((2, count))
-        rows[0] = self.phase_row(self.profile(u), self.profile(tangent * self.scale))
-        rows[1], corner[1] = across[:size], across[size:]
-        target = np.array([rows[0] @ u[:size], across @ u])
-        right = np.zeros((2, 2))
-        right[1, 1] = 1.0
-        u = u.copy()
-        sizes: list[float] = []
-        for iteration in range(NEWTON_LIMIT):
-            last = self.settled(sizes)
-            right[:, 0] = target - [rows[0] @ u[:size], across @ u]
-            if last or not 0 < iteration < 3 or sizes[-1] > _CHORD:
-                at = self.linearise(u)
-                x, lam, sign, reduced = ends.solve_periodic(at.steps, rows, corner, right)
-            else:  # near the orbit the matrix of the step before does
-                self.restate(at, u)
-                x, lam = ends.solve_periodic_again(at.steps, rows, reduced, right)
-            step = np.concatenate([x[:, :, 0].ravel(), lam[:, 0]])
-            if not np.all(np.isfinite(step)):
-                return None
-            u += step
-            if last:
-                turned = np.concatenate([x[:, :, 1].ravel(), lam[:, 1]]) / self.scale
-                turned /= np.linalg.norm(turned)
-                tests = np.array([turned[size + 1], sign * at.sign])
-                age = near.age + 1 if isinstance(near, OrbitNode) and near.grid is self.grid else 1
-                exponents, trivial, liouville = self.floquet(u, at, reduced[0])
-                return OrbitNode(
-                    u, turned, 0.0, iteration, tests, exponents, None, self.grid, trivial, liouville, age
-                )
-            sizes.append(self.change(step, u))
-        return None
+        iterations, found, turned, sign, exponents, trivial, liouville, residual = newton.correct(
+            *self.tape,
+            self.rule,
+            self.grid.lengths,
+            u,
+            tangent,
+            self.scale,
+            self.units,
+            self.tolerance,
+            NEWTON_LIMIT,
+        )
+        if iterations == 0 or not np.all(np.isfinite(turned)) or self.collapsed(found, u):
+            return None
+        tests = np.array([turned[self.profile_size + 1], sign])
+        return OrbitNode(
+            found, turned, 0.0, iterations, tests, exponents, None, self.grid, log_of_defect(trivial), liouville,
+            self.age_after(near), residual,
+        )  # fmt: skip
 
-    def restate(self, at: Linearised, u: np.ndarray) -> None:
-        """Put the equations' value at another u into the linearisation's last column, its matrix as it is."""
-        right = -self.defects(u)[:, :, None]
-        found = np.empty_like(right)
-        kernel.solve_inside(at.factors, at.orders, right, found)
-        at.steps[:, :, -1] = found[:, :, 0]
+    def swing(self, u: np.ndarray) -> float:
+        """The largest peak-to-peak value of any state, in its unit."""
+        return float(np.max(np.ptp(self.profile(u), axis=0) / self.units))
+
+    def collapsed(self, u: np.ndarray, predicted: np.ndarray) -> bool:
+        """Whether Newton fell on an equilibrium, which solves the equations too, with any period."""
+        return not self.swing(u) > max(1e-6 * self.swing(predicted), 1e-10)
+
+    def age_after(self, near: Node) -> int:
+        """Steps since the grid was adapted, one step after another node."""
+        return near.age + 1 if isinstance(near, OrbitNode) and near.grid is self.grid else 1
 
     def settled(self, sizes: list[float]) -> bool:
         """Whether the error after Newton's last step is below the tolerance, foretold from the steps' sizes.
@@ -258,17 +252,11 @@ class OrbitEquations:
         rest = np.max(np.abs(step[size:]) / (units + np.abs(u[size:]))) if step.size > size else 0.0
         return float(max(profile, rest))
 
-    def floquet(
-        self, u: np.ndarray, at: Linearised, reduced: np.ndarray | None = None
-    ) -> tuple[np.ndarray, complex, float]:
-        """log mu of the nontrivial multipliers (n - 1,), that of the trivial one, and the Liouville error.
-
-        reduced: the chain's ends, if they are known already.
-        """
+    def floquet(self, u: np.ndarray, at: Linearised) -> tuple[np.ndarray, complex, float]:
+        """log mu of the nontrivial multipliers (n - 1,), that of the trivial one, and the Liouville error."""
         flow = self.flow(u)
-        exponents = nontrivial_exponents(at.steps, flow)
-        reduced = ends.reduce_chain(at.steps, self.n)[0] if reduced is None else reduced
-        trivial = trivial_exponent(reduced, flow[0])
+        exponents = log_multipliers(kernel.deflated(at.steps, flow))
+        trivial = log_of_defect(newton.trivial_defect(chain.reduce_chain(at.steps, self.n)[0], flow[0]))
         _, period, _ = self.parts(u)
         traces = np.trace(at.by[:, :, : self.n], axis1=1, axis2=2).reshape(-1, self.grid.degree)
         integral = period * float(self.grid.lengths @ traces @ self.grid.basis.weights)

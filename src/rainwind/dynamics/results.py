@@ -191,6 +191,7 @@ class Branch:
     ended: tuple[Ended, Ended]
     unexplained: tuple[Unexplained, ...] = ()
     note: str = ""
+    recorded: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         ranges = ", ".join(
@@ -213,9 +214,11 @@ class Branch:
             return self.free[:, self.along.index(name)]
         if name in self.states:
             return self.state[:, self.states.index(name)]
+        if name in self.recorded:
+            return self.recorded[name]
         if name in self.parameters:
             return np.full(len(self), self.parameters[name])
-        raise unknown_name(name, (*self.along, *self.states), "column")
+        raise unknown_name(name, (*self.along, *self.states, *self.recorded), "column")
 
     @property
     def parameter(self) -> np.ndarray:
@@ -295,7 +298,7 @@ def pieces_between(
         yield int(np.median(unstable[inside])), tuple(found)
 
 
-KINDS = ("fold", "hopf", "bp", "cusp", "bt", "gh", "zh", "hh")
+KINDS = ("fold", "hopf", "bp", "cusp", "bt", "gh", "zh", "hh", "event")
 _BAD_ENDS = (Ended.STEP_TOO_SMALL, Ended.NOT_FINITE, Ended.TOO_MANY_POINTS)
 
 

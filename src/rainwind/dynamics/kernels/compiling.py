@@ -69,3 +69,5 @@ def _jit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
 compiled = _jit()
 # for what is called from one place: compiling it apart from its caller would only cost time
 inlined = _jit(inline="always")
+# for sums whose order does not matter: they may be split over the lanes of the processor
+quick = _jit(fastmath={"reassoc", "nsz", "contract"})

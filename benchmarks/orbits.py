@@ -1,0 +1,118 @@
+"""rainwind against AUTO-07p, in one run: a branch of limit cycles with all labels, and two curves of its special points.
+
+Both do the same work on the sample case (raw polynomials) with 60 mesh intervals of degree 4: all cycles born at the
+Hopf point on D at xi = 0.2 %, round both folds to the Hopf point on C; then 200 points of the curve of folds of cycles
+and of the Neimark-Sacker curve in (U, xi). AUTO: its executable alone, start and files included, once as it comes and
+once silent (IID = 0, no diagnostics written); its Jacobians are exact. rainwind: the call in a warm process, its mesh
+held at 60 intervals. Tolerances alike (1e-7 for AUTO, 1e-9 here); steps such that the number of points is the same
+within 10 %, and the same labels are found. Runs alternate, so that both meet the same load.
+"""
+
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from statistics import median
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from tests.validation.auto.auto_runner import Auto
+from tests.validation.auto.sample_case import (
+    EQUATIONS,
+    EQUILIBRIA,
+    LPC_CURVE,
+    NS_CURVE,
+    ORBIT_BRANCH,
+    extended,
+    fold_and_hopf_points,
+    tight,
+)
+
+import rainwind as rw
+
+_SPEED, _DAMPING = "wind.speed", "section.damping_ratio"
+_WINDOW = {_SPEED: (4.0, 25.0), _DAMPING: (1e-4, 0.01)}
+_MESH = rw.Mesh(60, 4, 60)
+
+
+def against_auto(repeats: int = 5) -> list[dict[str, Any]]:
+    """One row a run: points and median milliseconds of both, and the ratio ours / AUTO's."""
+    with tempfile.TemporaryDirectory() as folder:
+        auto = Auto(EQUATIONS, Path(folder))
+        _, on_d, _ = fold_and_hopf_points(auto.run(tight(EQUILIBRIA)))
+        branch = auto.run(ORBIT_BRANCH, on_d)
+        lpc = extended(auto, LPC_CURVE, branch.points("LP")[0])
+        ns = extended(auto, NS_CURVE, branch.points("TR")[0])
+        ours = _ours()
+        runs = {
+            "cycles": (ORBIT_BRANCH, on_d, ours["cycles"]),
+            "folds of cycles": (LPC_CURVE, lpc, ours["lpc"]),
+            "Neimark-Sacker": (NS_CURVE, ns, ours["ns"]),
+        }
+        rows = []
+        for name, (constants, start, call) in runs.items():
+            call()
+            times: dict[str, list[float]] = {"auto": [], "silent": [], "ours": []}
+            for _ in range(repeats):
+                auto_run = auto.time(constants, start, repeats=1)
+                times["auto"].append(auto_run.wall_median)
+                times["silent"].append(auto.time(constants | {"IID": 0}, start, repeats=1).wall_median)
+                begin = perf_counter()
+                found = call()
+                times["ours"].append(perf_counter() - begin)
+            milliseconds = {key: 1e3 * median(values) for key, values in times.items()}
+            rows.append(
+                {
+                    "run": name,
+                    "points_auto": auto_run.points,
+                    "points_ours": len(found),
+                    "labels_ours": [point.kind for point in found.points()],
+                    "ms_auto": milliseconds["auto"],
+                    "ms_auto_silent": milliseconds["silent"],
+                    "ms_ours": milliseconds["ours"],
+                    "ratio": milliseconds["ours"] / milliseconds["auto"],
+                    "ratio_silent": milliseconds["ours"] / milliseconds["silent"],
+                }
+            )
+        return rows
+
+
+def _ours() -> dict[str, Callable[[], rw.OrbitBranch]]:
+    model = rw.paper_model(outside="extend")
+    at_9 = rw.find_equilibria(model.with_parameters({_SPEED: 9.0}))
+    on_d = min(at_9, key=lambda e: abs(np.degrees(e["phi"]) - 45.0))
+    equilibria = rw.continue_equilibria(model, _SPEED, start=on_d, until=_WINDOW[_SPEED])
+    hopf = max(equilibria.points("hopf"), key=lambda p: p.parameter)
+    both = (_SPEED, _DAMPING)
+
+    def cycles() -> rw.OrbitBranch:
+        return rw.continue_orbits(model, _SPEED, start=hopf, until=_WINDOW[_SPEED], ds=0.0355, mesh=_MESH)
+
+    branch = cycles()
+    lpc, ns = branch.points("lpc")[0], branch.points("ns")[0]
+    # one direction in AUTO, both here: half as many points each way
+    return {
+        "cycles": cycles,
+        "lpc": lambda: rw.continue_lpc(model, both, start=lpc, until=_WINDOW, ds=0.1, mesh=_MESH, limit=100),
+        "ns": lambda: rw.continue_ns(model, both, start=ns, until=_WINDOW, ds=0.1, mesh=_MESH, limit=100),
+    }
+
+
+def scaling(intervals: tuple[int, ...] = (15, 30, 60, 120, 240), repeats: int = 5) -> list[dict[str, float]]:
+    """Milliseconds an orbit of the cycle branch, by number of mesh intervals: the cost should grow in proportion."""
+    model = rw.paper_model(outside="extend")
+    at_9 = rw.find_equilibria(model.with_parameters({_SPEED: 9.0}))
+    on_d = min(at_9, key=lambda e: abs(np.degrees(e["phi"]) - 45.0))
+    equilibria = rw.continue_equilibria(model, _SPEED, start=on_d, until=_WINDOW[_SPEED])
+    hopf = max(equilibria.points("hopf"), key=lambda p: p.parameter)
+    rows = []
+    for many in intervals:
+        times = []
+        for _ in range(repeats):
+            begin = perf_counter()
+            found = rw.continue_orbits(
+                model, _SPEED, start=hopf, until=(11.0, 15.0), mesh=rw.Mesh(many, 4, many), limit=60
+            )
+            times.append(1e3 * (perf_counter() - begin) / len(found))
+        rows.append({"intervals": many, "ms_an_orbit": median(times)})
+    return rows
