@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from rainwind.dynamics.equilibria import find_equilibria as find_equilibria
     from rainwind.dynamics.equilibria import find_equilibrium as find_equilibrium
     from rainwind.dynamics.equilibria import walk_equilibria as walk_equilibria
+    from rainwind.dynamics.monitors import Monitor as Monitor
     from rainwind.dynamics.orbit_curves import continue_lpc as continue_lpc
     from rainwind.dynamics.orbit_curves import continue_ns as continue_ns
     from rainwind.dynamics.orbit_curves import continue_pd as continue_pd
@@ -64,6 +65,7 @@ _HOME = {
     "find_equilibrium": "dynamics.equilibria",
     "walk_equilibria": "dynamics.equilibria",
     **dict.fromkeys(("continue_lpc", "continue_ns", "continue_pd"), "dynamics.orbit_curves"),
+    "Monitor": "dynamics.monitors",
     "Orbit": "dynamics.orbit_results",
     "OrbitBranch": "dynamics.orbit_results",
     "OrbitPoint": "dynamics.orbit_results",
