@@ -39,11 +39,12 @@ FIGURES = {
     4: "figure_04_coefficients",
     5: "figure_05_equilibria",
     6: "figure_06_stability",
+    7: "figure_07_limit_cycles",
     9: "figure_09_stability_diagram",
     10: "figure_10_rivulet_and_frequency",
     11: "figure_11_mass_coefficients_dof",
 }
-_LATER = {7: "needs limit cycles", 8: "needs limit cycles in the time domain"}
+_LATER = {8: "needs limit cycles in the time domain"}
 
 
 class Exit(int, Enum):
@@ -162,7 +163,7 @@ def paper(
 
 @app.command()
 def figure(
-    number: Annotated[str, typer.Argument(metavar="N", help="4, 5, 6, 9, 10 or 11.")],
+    number: Annotated[str, typer.Argument(metavar="N", help="4, 5, 6, 7, 9, 10 or 11.")],
     case: Case = None,
     out: Annotated[
         Path | None, typer.Option("--out", help="Image file (.png, .svg, .pdf); by default figure_NN.png.")

@@ -18,8 +18,8 @@ from rainwind.studies.equilibrium_map import EquilibriumMap, equilibrium_map, sp
 from rainwind.studies.walks import whole
 
 SPEED = "wind.speed"
-# the same labels as with ds = 0.02 and 60 intervals, at 0.02 to 0.2 % damping, in a third of the time
-MESH, STEP = Mesh(40), 0.1
+# the same labels as with ds = 0.02 and 60 intervals, at 0.02 to 0.2 % damping, in a fifth of the time
+MESH, STEP = Mesh(30), 0.15
 DOUBLINGS = 2  # period doublings followed one after another: cycles of up to four periods
 
 

@@ -28,6 +28,7 @@ STUDIES = (
     "figure_04_coefficients",
     "figure_05_equilibria",
     "figure_06_stability",
+    "figure_07_limit_cycles",
     "figure_09_stability_diagram",
     "figure_10_rivulet_and_frequency",
     "figure_11_mass_coefficients_dof",
