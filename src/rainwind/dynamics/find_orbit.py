@@ -8,6 +8,7 @@ import numpy as np
 
 from rainwind.dynamics.collocation import Grid, Mesh
 from rainwind.dynamics.equilibria import find_equilibrium
+from rainwind.dynamics.kernels.chain import solve_periodic
 from rainwind.dynamics.newton import solve_equilibrium
 from rainwind.dynamics.orbit_equations import OrbitEquations, OrbitNode
 from rainwind.dynamics.orbit_results import Orbit, OrbitPoint
@@ -22,6 +23,7 @@ WINDOWS, WITHOUT_TURN = 32, 18  # each twice as long as the one before
 APART, TURNS_APART = 1e-5, 30
 CHAOTIC = 300.0  # spread in so many turns; on a torus it grows in proportion to them
 CLOSED = 1e-3  # of its range: apart no more, the ends of a guess belong together
+APPROACHES, LONGEST_STEP = 40, 0.2  # of Newton's method from afar; the step in each unknown's size
 COMES_BACK = 0.1  # of its range: a return from which Newton is tried
 NEAR, AT_REST = 0.05, 1e-3
 FINE = 1e-6  # estimated error of the profile above which the mesh gets more intervals
@@ -226,7 +228,7 @@ def _on_which_it_settles(
 ) -> Orbit | None:
     """A stable orbit that the trajectory comes ever nearer to, from one of its returns."""
     for lag, _ in _promising(lags, gaps):
-        orbit = _newton(system, _last(run, lag), lag, mesh)
+        orbit = _newton(system, _last(run, lag), lag, mesh, patient=False)
         if orbit is None or not _swings(orbit, units):
             continue
         away = _distance(orbit, run.states[-1], units)
@@ -294,11 +296,11 @@ def _as_trajectory(system: System, given: tuple[Any, Any]) -> Trajectory:
 # -- Newton on a mesh -------------------------------------------------------------------------------------------------
 
 
-def _newton(system: System, guess: Guess, period: float, mesh: Mesh) -> Orbit | None:
+def _newton(system: System, guess: Guess, period: float, mesh: Mesh, *, patient: bool = True) -> Orbit | None:
     """The orbit that Newton reaches from a guess by phase on [0, 1], which need not close; its least period."""
-    found = _on_adapted_mesh(system, guess, period, mesh, mesh.intervals)
+    found = _on_adapted_mesh(system, guess, period, mesh, mesh.intervals, patient)
     if found is None and _gap(guess) < CLOSED:  # then it is the mesh's fault
-        found = _on_adapted_mesh(system, guess, period, mesh, min(4 * mesh.intervals, mesh.most))
+        found = _on_adapted_mesh(system, guess, period, mesh, min(4 * mesh.intervals, mesh.most), patient)
     for _ in range(4):
         parts = _repeats(found) if found is not None else 1
         if found is None or parts == 1:
@@ -310,11 +312,14 @@ def _newton(system: System, guess: Guess, period: float, mesh: Mesh) -> Orbit | 
             whole.period / parts,
             mesh,
             mesh.intervals,
+            patient,
         )
     return found
 
 
-def _on_adapted_mesh(system: System, guess: Guess, period: float, mesh: Mesh, many: int) -> Orbit | None:
+def _on_adapted_mesh(
+    system: System, guess: Guess, period: float, mesh: Mesh, many: int, patient: bool
+) -> Orbit | None:
     """The orbit that Newton reaches, beginning with as many intervals."""
     free = system
     if not system.parameters:  # the equations need one, if only to hold it
@@ -330,6 +335,13 @@ def _on_adapted_mesh(system: System, guess: Guess, period: float, mesh: Mesh, ma
         tangent[-1] = 1.0  # across it lie the orbits of this parameter
         with np.errstate(all="ignore"):
             node = problem.correct(OrbitNode(u, tangent, grid=grid), u, tangent)
+            if node is None and turn == 0 and patient:
+                nearer = _approached(problem, u)
+                node = (
+                    None
+                    if nearer is None
+                    else problem.correct(OrbitNode(nearer, tangent, grid=grid), nearer, tangent)
+                )
         if node is None:
             return None
         x, period, _ = problem.parts(node.u)
@@ -343,6 +355,27 @@ def _on_adapted_mesh(system: System, guess: Guess, period: float, mesh: Mesh, ma
         many = min(int(np.ceil(many * min(growth, 2.0))), mesh.most)
         other = grid.adapted(x, np.maximum(1.0, np.abs(x).max(axis=0)), many)
         x, grid = grid.at(x, other.nodes), other
+    return None
+
+
+def _approached(problem: OrbitEquations, u: np.ndarray) -> np.ndarray | None:
+    """Nearer to an orbit of the same parameter by Newton's method with steps cut short; None where it goes nowhere."""
+    size = problem.profile_size
+    for _ in range(APPROACHES):
+        at = problem.linearise(u)
+        rows, corner = np.zeros((2, size)), np.zeros((2, 2))
+        rows[0] = problem.phase_row(u, u)
+        corner[1, 1] = 1.0
+        profile, rest, *_ = solve_periodic(at.steps, rows, corner, np.zeros((2, 1)))
+        step = np.concatenate([profile.ravel(), rest.ravel()])
+        length = problem.change(step, u)
+        if not np.isfinite(length):
+            return None
+        u = u + min(1.0, LONGEST_STEP / length) * step if length > 0.0 else u
+        if not u[size] > 0.0:
+            return None
+        if length < 1e-3:
+            return u
     return None
 
 
