@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from rainwind.dynamics.equilibria import find_equilibria as find_equilibria
     from rainwind.dynamics.equilibria import find_equilibrium as find_equilibrium
     from rainwind.dynamics.equilibria import walk_equilibria as walk_equilibria
+    from rainwind.dynamics.find_orbit import find_orbit as find_orbit
     from rainwind.dynamics.monitors import Monitor as Monitor
     from rainwind.dynamics.orbit_curves import continue_lpc as continue_lpc
     from rainwind.dynamics.orbit_curves import continue_ns as continue_ns
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from rainwind.dynamics.results import Branch as Branch
     from rainwind.dynamics.results import Ended as Ended
     from rainwind.dynamics.results import SpecialPoint as SpecialPoint
+    from rainwind.dynamics.shooting import shoot as shoot
     from rainwind.dynamics.system import System as System
     from rainwind.elementary import acos as acos
     from rainwind.elementary import asin as asin
@@ -46,7 +48,10 @@ if TYPE_CHECKING:
     from rainwind.elementary import tan as tan
     from rainwind.elementary import tanh as tanh
     from rainwind.errors import RainwindError as RainwindError
+    from rainwind.io.auto_export import export_to_auto as export_to_auto
     from rainwind.io.cases import read_case as read_case
+    from rainwind.io.saved import load as load
+    from rainwind.io.saved import save as save
     from rainwind.physics.coefficient_files import load_coefficients as load_coefficients
     from rainwind.physics.model import RivuletModel as RivuletModel
     from rainwind.physics.model import paper_model as paper_model
@@ -73,6 +78,11 @@ _HOME = {
     "Branch": "dynamics.results",
     "Ended": "dynamics.results",
     "SpecialPoint": "dynamics.results",
+    "find_orbit": "dynamics.find_orbit",
+    "shoot": "dynamics.shooting",
+    "save": "io.saved",
+    "load": "io.saved",
+    "export_to_auto": "io.auto_export",
     "System": "dynamics.system",
     **dict.fromkeys(("acos", "asin", "atan", "atan2", "cos", "cosh", "erf", "exp", "log"), "elementary"),
     **dict.fromkeys(("sin", "sinh", "sqrt", "tan", "tanh"), "elementary"),

@@ -90,18 +90,20 @@ class OrbitInspector(Inspector):
 
     def on_grid(self, a: Probe) -> Probe | None:
         """A probe on the problem's grid; None where Newton does not find the orbit there."""
-        node: Any = a.node
-        if node.grid is self.problem.grid:
+        if a.node.grid is self.problem.grid:  # type: ignore[attr-defined]
             return a
+        node = self.node_on_grid(a.node)
+        return None if node is None else replace(a, node=node, watched=self.watched(a.watched, node))
+
+    def node_on_grid(self, node: Any) -> Any:
+        """A node on the problem's grid, or None."""
+        if node.grid is self.problem.grid:
+            return node
         before = self.problem.on(node.grid)
         u = before.moved(node.u, self.problem.grid)
         tangent = before.moved(node.tangent * before.scale, self.problem.grid) / self.problem.scale
         found = self.problem.correct(node, u, tangent / np.linalg.norm(tangent))
-        if found is None:
-            return None
-        return replace(
-            a, node=replace(found, arclength=node.arclength), watched=self.watched(a.watched, found)
-        )
+        return None if found is None else replace(found, arclength=node.arclength)
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ import numpy as np
 from rainwind.dynamics.branches import check_states, check_steps
 from rainwind.dynamics.collocation import Grid, Mesh
 from rainwind.dynamics.curves import windows_of
+from rainwind.dynamics.monitors import Monitor, checked
 from rainwind.dynamics.nodes import Node
 from rainwind.dynamics.orbit_codimension_two import (
     SMALLEST_ANGLE,
@@ -45,6 +46,7 @@ def continue_lpc(
     mesh: Mesh | None = None,
     limit: int = 5000,
     progress: Progress | None = None,
+    monitors: Sequence[Monitor] = (),
 ) -> OrbitBranch:
     """The curve of folds of cycles through a fold (lpc, or cpc, lpns on such a curve) in two parameters.
 
@@ -53,7 +55,7 @@ def continue_lpc(
     input and ComputationError when the curve could not be started.
     """
     _allowed(start, ("lpc", "cpc", "lpns"), "continue_lpc")
-    return _curve("lpc", as_system(model), along, start, until, ds, mesh, limit, progress)
+    return _curve("lpc", as_system(model), along, start, until, ds, mesh, limit, progress, monitors)
 
 
 def continue_pd(
@@ -66,13 +68,14 @@ def continue_pd(
     mesh: Mesh | None = None,
     limit: int = 5000,
     progress: Progress | None = None,
+    monitors: Sequence[Monitor] = (),
 ) -> OrbitBranch:
     """The curve of period doublings through one (pd, or gpd, pdns on such a curve) in two parameters.
 
     Special points: gpd, r2, foldflip, pdns. Arguments and errors as `continue_lpc`.
     """
     _allowed(start, ("pd", "gpd", "pdns"), "continue_pd")
-    return _curve("pd", as_system(model), along, start, until, ds, mesh, limit, progress)
+    return _curve("pd", as_system(model), along, start, until, ds, mesh, limit, progress, monitors)
 
 
 def continue_ns(
@@ -85,6 +88,7 @@ def continue_ns(
     mesh: Mesh | None = None,
     limit: int = 5000,
     progress: Progress | None = None,
+    monitors: Sequence[Monitor] = (),
 ) -> OrbitBranch:
     """The curve of Neimark-Sacker points through one (ns, or ch, r3, r4 on such a curve) in two parameters.
 
@@ -92,7 +96,7 @@ def continue_ns(
     real. Arguments and errors as `continue_lpc`.
     """
     _allowed(start, ("ns", "ch", "r3", "r4", "nsns"), "continue_ns")
-    return _curve("ns", as_system(model), along, start, until, ds, mesh, limit, progress)
+    return _curve("ns", as_system(model), along, start, until, ds, mesh, limit, progress, monitors)
 
 
 def _curve(
@@ -105,6 +109,7 @@ def _curve(
     mesh: Mesh | None,
     limit: int,
     progress: Progress | None,
+    monitors: Sequence[Monitor],
 ) -> OrbitBranch:
     check_steps(ds, limit)
     check_states(system, start)
@@ -127,15 +132,25 @@ def _curve(
             return Ended.CLOSED, []
         return None, []
 
+    watched = checked(monitors, (*system.states, *system.parameters, "period"))
     window = problem.window(bounds)
     if kind == "ns":
         window[-1] = (SMALLEST_ANGLE, np.pi - SMALLEST_ANGLE)
-    route = Route(problem, window, curve_inspector(problem), ds, passed, limit=limit, progress=progress)
+    route = Route(
+        problem,
+        window,
+        curve_inspector(problem),
+        ds,
+        passed,
+        limit=limit,
+        progress=progress,
+        monitors=watched,
+    )
     halves = both_ways(route, node)
     for half in halves:
         half.points += degenerate_points(problem, half.nodes)  # type: ignore[arg-type]
         _name_the_end(problem, half)
-    return joined(kind, problem, halves, halves[0].ended, [])
+    return joined(kind, route, halves, halves[0].ended, [])
 
 
 def _first(

@@ -1,15 +1,18 @@
 """From a start to a finished branch or curve of orbits: walk, read the labels, join the halves."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from rainwind.dynamics.continuation import Walk
+from rainwind.dynamics.monitors import Event, Monitor, events_between
+from rainwind.dynamics.monitors import values as values_of
 from rainwind.dynamics.orbit_bifurcations import OrbitInspector
 from rainwind.dynamics.orbit_equations import USELESS, OrbitEquations, OrbitNode
-from rainwind.dynamics.orbit_results import Orbit, OrbitBranch
+from rainwind.dynamics.orbit_results import Orbit, OrbitBranch, OrbitPoint
 from rainwind.dynamics.results import Ended, Unexplained
 
 Progress = Callable[[Orbit, int], None]
@@ -34,6 +37,7 @@ class Route:
     limit: int = 5000
     longest: float = np.inf
     progress: Progress | None = None
+    monitors: tuple[Monitor, ...] = ()
 
 
 @dataclass
@@ -53,6 +57,7 @@ def walked(route: Route, start: OrbitNode) -> Half:
     walk = Walk(problem, start, ds=route.ds, window=route.window)
     nodes, orbits = ([start], [problem.on(start.grid).orbit(start)]) if route.begins else ([], [])
     before, points, ended = start, [], None
+    stops = [monitor for monitor in route.monitors if monitor.at_zero == "stop"]
     try:
         for node in walk:
             ended, points = route.passed(before, node, len(nodes))
@@ -65,13 +70,18 @@ def walked(route: Route, start: OrbitNode) -> Half:
             ended = _unusable(problem, orbit)
             if ended is not None:
                 break
+            events = _events(route, stops, before, node) if nodes else []
+            if events:
+                node, ended = events[0].node, Ended.AT_CONDITION
+                orbit = problem.on(node.grid).orbit(node)
+                points = [_label(problem, events[0])]
             nodes.append(node)
             orbits.append(orbit)
             if route.progress is not None:
                 route.progress(orbit, len(orbits))
-            if orbit.period > route.longest:
+            if ended is None and orbit.period > route.longest:
                 ended = Ended.HOMOCLINIC
-            elif len(nodes) >= route.limit:
+            elif ended is None and len(nodes) >= route.limit:
                 ended = Ended.TOO_MANY_POINTS
             if ended is not None:
                 break
@@ -84,7 +94,33 @@ def walked(route: Route, start: OrbitNode) -> Half:
             raise
         ended = Ended.INTERRUPTED
     found, gaps = route.inspector.read(nodes)
+    labelled = [monitor for monitor in route.monitors if monitor.at_zero == "label"]
+    if labelled:
+        for a, b in pairwise(nodes):
+            points += [_label(problem, event) for event in _events(route, labelled, a, b)]
     return Half(nodes, orbits, ended or walk.ended, [*found, *points], gaps)  # type: ignore[arg-type]
+
+
+def _events(route: Route, monitors: Sequence[Monitor], a: OrbitNode, b: OrbitNode) -> list[Event]:
+    """The zeros of monitors between two neighbouring nodes."""
+    if not monitors:
+        return []
+    here = route.problem.on(b.grid)
+    before, after = ([m.value(route.problem.on(node.grid).orbit(node)) for m in monitors] for node in (a, b))
+    if all((x > 0) == (y > 0) for x, y in zip(before, after, strict=True)):
+        return []
+    moved = route.inspector.on(b.grid).node_on_grid(a)
+    if moved is None:
+        return []
+    return events_between(monitors, here, moved, b, before, after, here.orbit)
+
+
+def _label(problem: OrbitEquations, event: Event) -> OrbitPoint:
+    orbit = problem.on(event.node.grid).orbit(event.node)
+    return OrbitPoint(
+        "event", problem.system.states, orbit.profile[0], orbit.parameters, problem.along, orbit.exponents,
+        event.node.arclength, event.certificate(orbit.residual), note=event.monitor.name, orbit=orbit,
+    )  # fmt: skip
 
 
 def _unusable(problem: OrbitEquations, orbit: Orbit) -> Ended | None:
@@ -111,13 +147,12 @@ def both_ways(route: Route, start: OrbitNode) -> list[Half]:
     return [walked(route, replace(turned, arclength=0.0)), ahead]
 
 
-def joined(
-    kind: str, problem: OrbitEquations, halves: list[Half], first: Ended, extra: list[Any]
-) -> OrbitBranch:
+def joined(kind: str, route: Route, halves: list[Half], first: Ended, extra: list[Any]) -> OrbitBranch:
     """Both halves in one direction, the arclength counted from the first point.
 
     first: how the branch ends where it began, if there is one half; extra: more points to label.
     """
+    problem = route.problem
     forward = halves[-1]
     nodes, orbits = list(forward.nodes), list(forward.orbits)
     lengths = [node.arclength for node in nodes]
@@ -148,6 +183,7 @@ def joined(
         special=tuple(replace(p, arclength=p.arclength - shift) for p in points),
         ended=(halves[0].ended if len(halves) == 2 else first, forward.ended),
         unexplained=tuple(replace(g, between=(g.between[0] - shift, g.between[1] - shift)) for g in gaps),
+        recorded=values_of(route.monitors, orbits),
     )
 
 

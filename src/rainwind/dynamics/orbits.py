@@ -11,6 +11,7 @@ from rainwind.dynamics.bifurcations import solve_hopf
 from rainwind.dynamics.branches import check_states, check_steps, window_of
 from rainwind.dynamics.collocation import Grid, Mesh
 from rainwind.dynamics.equations import smallest_step
+from rainwind.dynamics.monitors import Monitor, checked
 from rainwind.dynamics.newton import state_scale
 from rainwind.dynamics.orbit_bifurcations import orbit_inspector
 from rainwind.dynamics.orbit_equations import OrbitEquations, OrbitNode
@@ -43,6 +44,7 @@ def continue_orbits(
     longest: float = 100.0,
     limit: int = 5000,
     progress: Progress | None = None,
+    monitors: Sequence[Monitor] = (),
 ) -> OrbitBranch:
     """The branch of periodic orbits through `start` in one parameter, within the window `until`.
 
@@ -51,6 +53,7 @@ def continue_orbits(
     ds: first and largest step of arclength: the root mean square of the states over a period, with the period in units
     of itself and the window as 20. mesh: intervals and degree of the collocation. longest: the walk ends where the
     period has grown by this factor. limit: points a direction. progress(orbit, count) is called after every orbit.
+    monitors: functions of the orbit to record, label or stop at (`Monitor`).
     Raises InputError for bad input and ComputationError when not even the start could be computed.
     """
     check_steps(ds, limit)
@@ -61,15 +64,16 @@ def continue_orbits(
     def passed(a: OrbitNode, b: OrbitNode, count: int) -> tuple[Ended | None, list[Any]]:
         return _passed(problem, beginning, node, a, b, count)
 
+    watched = checked(monitors, (*problem.system.states, *problem.system.parameters, "period"))
     born = beginning.kind in ("hopf", "pd")  # the start itself is no orbit of this branch
     route = Route(
         problem, problem.window([window_of(problem.system, along, until)]), orbit_inspector(problem), ds, passed,
-        not born, limit, longest * problem.parts(node.u)[1], progress,
+        not born, limit, longest * problem.parts(node.u)[1], progress, watched,
     )  # fmt: skip
     halves = [walked(route, node)] if born else both_ways(route, node)
     first = {"hopf": Ended.AT_HOPF, "pd": Ended.REVISITED}.get(beginning.kind, halves[0].ended)
     extra = [replace(beginning.point, arclength=0.0, along=problem.along)] if beginning.kind == "hopf" else []  # type: ignore[type-var]
-    return joined("orbits", problem, halves, first, extra)
+    return joined("orbits", route, halves, first, extra)
 
 
 @dataclass(frozen=True)
@@ -225,13 +229,22 @@ def _direction(problem: OrbitEquations, start: OrbitPoint, kind: str) -> np.ndar
 
 
 def _beside(problem: OrbitEquations, u: np.ndarray, tangent: np.ndarray, ds: float) -> OrbitNode | None:
-    """An orbit of the other branch beside a labelled one, in which itself Newton's matrix is singular."""
+    """An orbit of the other branch beside a labelled one, in which itself Newton's matrix is singular.
+
+    tangent: across the branch that was left, but not always along the other one. What turns away from that tangent
+    as far as the chord from the labelled orbit does lies on a branch that crosses; what turns twice as far, on an arc
+    of the branch that was left.
+    """
     step = ds / 2
     while step > smallest_step(ds):
-        predicted = u + step * tangent * problem.scale
-        node = problem.correct(OrbitNode(u, tangent, grid=problem.grid), predicted, tangent)
-        if node is not None and np.linalg.norm((node.u - predicted) / problem.scale) < step / 2:
-            node = node if node.tangent @ tangent >= 0 else replace(node, tangent=-node.tangent)
-            return replace(node, arclength=step)
+        node = problem.correct(
+            OrbitNode(u, tangent, grid=problem.grid), u + step * tangent * problem.scale, tangent
+        )
+        if node is not None:
+            chord = (node.u - u) / problem.scale
+            length = float(np.linalg.norm(chord))
+            turned = float(node.tangent @ tangent) * length / step
+            if length < 2.0 * ds and 0.7 < abs(turned) < 1.4:
+                return replace(node, tangent=np.sign(turned) * node.tangent, arclength=length)
         step /= 2
     return None
