@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from rainwind.dynamics.equilibria import walk_equilibria as walk_equilibria
     from rainwind.dynamics.find_orbit import find_orbit as find_orbit
     from rainwind.dynamics.monitors import Monitor as Monitor
+    from rainwind.dynamics.orbit_certificates import certified as certified
     from rainwind.dynamics.orbit_curves import continue_lpc as continue_lpc
     from rainwind.dynamics.orbit_curves import continue_ns as continue_ns
     from rainwind.dynamics.orbit_curves import continue_pd as continue_pd
@@ -71,6 +72,7 @@ _HOME = {
     "walk_equilibria": "dynamics.equilibria",
     **dict.fromkeys(("continue_lpc", "continue_ns", "continue_pd"), "dynamics.orbit_curves"),
     "Monitor": "dynamics.monitors",
+    "certified": "dynamics.orbit_certificates",
     "Orbit": "dynamics.orbit_results",
     "OrbitBranch": "dynamics.orbit_results",
     "OrbitPoint": "dynamics.orbit_results",

@@ -88,6 +88,18 @@ def basis(degree: int) -> Basis:
 
 
 @dataclass(frozen=True, eq=False)
+class Linearised:
+    """The collocation equations linearised at a profile, condensed (`kernels/collocation.py`)."""
+
+    f: np.ndarray  # (N m, n) at the Gauss points
+    by: np.ndarray  # (N m, n, n + q)
+    steps: np.ndarray
+    factors: np.ndarray
+    orders: np.ndarray
+    sign: float
+
+
+@dataclass(frozen=True, eq=False)
 class Grid:
     """A mesh of [0, 1] and the degree of its polynomials. Profiles x (N m + 1, ...) are values at all nodes."""
 

@@ -4,7 +4,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from rainwind.dynamics.collocation import Grid, Mesh
+from rainwind.dynamics import sparse_collocation as sparse
+from rainwind.dynamics.collocation import Grid, Linearised, Mesh
 from rainwind.dynamics.floquet import log_of_defect
 from rainwind.dynamics.kernels import chain
 from rainwind.dynamics.kernels import collocation as kernel
@@ -35,18 +36,6 @@ class OrbitNode(Node):
     liouville: float = 0.0
     age: int = 0
     residual: float = 0.0
-
-
-@dataclass(frozen=True, eq=False)
-class Linearised:
-    """The collocation equations linearised at a profile, condensed (`kernels/collocation.py`)."""
-
-    f: np.ndarray  # (N m, n) at the Gauss points
-    by: np.ndarray  # (N m, n, n + q)
-    steps: np.ndarray
-    factors: np.ndarray
-    orders: np.ndarray
-    sign: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,6 +204,8 @@ class OrbitEquations:
             self.tolerance,
             NEWTON_LIMIT,
         )
+        if iterations == newton.POOR:
+            return self._correct_by_sparse_matrix(near, u, tangent)
         if iterations == 0 or not np.all(np.isfinite(turned)) or self.collapsed(found, u):
             return None
         tests = np.array([turned[self.profile_size + 1], sign])
@@ -222,6 +213,39 @@ class OrbitEquations:
             found, turned, 0.0, iterations, tests, exponents, None, self.grid, log_of_defect(trivial), liouville,
             self.age_after(near), residual,
         )  # fmt: skip
+
+    def _correct_by_sparse_matrix(self, near: Node, u: np.ndarray, tangent: np.ndarray) -> OrbitNode | None:
+        """`correct` with one sparse matrix for all equations: slow, for where an interval's own are singular."""
+        size, predicted = self.profile_size, u
+        across = tangent / self.scale
+        rows = np.stack([self.phase_row(u, tangent * self.scale), across[:size]])
+        corner = np.stack([np.zeros(u.size - size), across[size:]])
+        target = np.array([rows[0] @ u[:size], across @ u])
+        right = np.zeros((2, 2))
+        right[1, 1] = 1.0
+        u, sizes = u.copy(), list[float]()
+        for iteration in range(2 * NEWTON_LIMIT):
+            at = self.linearise(u)
+            right[:, 0] = target - [rows[0] @ u[:size], across @ u]
+            x, lam = sparse.newton_step(at, self.grid, self.parts(u)[1], self.defects(u), rows, corner, right)
+            step = np.concatenate([x[:, :, 0].ravel(), lam[:, 0]])
+            if not np.all(np.isfinite(step)):
+                return None
+            u += step
+            if self.settled(sizes):
+                turned = np.concatenate([x[:, :, 1].ravel(), lam[:, 1]]) / self.scale
+                turned /= np.linalg.norm(turned)
+                exponents, trivial, liouville = self.floquet(u, self.linearise(u))
+                # the determinant's sign is not at hand: branch points show by their exponents alone
+                tests = np.array([turned[size + 1], near.tests[1] if near.tests.size else 1.0])
+                residual = float(np.max(np.abs(self.defects(u))))
+                found = OrbitNode(
+                    u, turned, 0.0, iteration, tests, exponents, None, self.grid, trivial, liouville,
+                    self.age_after(near), residual,
+                )  # fmt: skip
+                return None if self.collapsed(u, predicted) else found
+            sizes.append(self.change(step, u))
+        return None
 
     def swing(self, u: np.ndarray) -> float:
         """The largest peak-to-peak value of any state, in its unit."""

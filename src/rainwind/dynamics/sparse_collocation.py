@@ -5,16 +5,13 @@ x' - T J x, then x(1) - z x(0), then the extra ones. It steps in where the resid
 answer is poor, and carries the normal forms of cycles, where z turns or flips a disturbance in one period.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import SuperLU, splu
 
-from rainwind.dynamics.collocation import Grid
-
-if TYPE_CHECKING:
-    from rainwind.dynamics.orbit_equations import Linearised
+from rainwind.dynamics.collocation import Grid, Linearised
 
 
 def operator(grid: Grid, jacobian: np.ndarray, period: float, z: complex = 1.0) -> sparse.csc_array:
@@ -65,7 +62,7 @@ def solve(
 
 
 def newton_step(
-    at: "Linearised",
+    at: Linearised,
     grid: Grid,
     period: float,
     residual: np.ndarray,

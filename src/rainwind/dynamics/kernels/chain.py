@@ -306,3 +306,24 @@ def solve_periodic_again(steps, rows, reduced, right):
         over_rest[r, c] = total
     x, found, _ = _finish(steps, tops, over_mesh, over_rest, y, a, inner, last, right)
     return x, found
+
+
+@compiled
+def chain_error(steps, x, lam, n):
+    """How badly a solution x (N m + 1, n, .) fails the chain in its first column, as a share of its own size."""
+    many, size, width = steps.shape
+    m = size // n
+    worst, largest = 0.0, 0.0
+    for j in range(many):
+        for r in range(n):
+            row = size - n + r
+            total = x[(j + 1) * m, r, 0] - steps[j, row, width - 1]
+            extent = abs(steps[j, row, width - 1]) + abs(x[(j + 1) * m, r, 0])
+            for k in range(n):
+                total -= steps[j, row, k] * x[j * m, k, 0]
+                extent = max(extent, abs(steps[j, row, k] * x[j * m, k, 0]))
+            for k in range(lam.shape[0]):
+                total -= steps[j, row, n + k] * lam[k, 0]
+                extent = max(extent, abs(steps[j, row, n + k] * lam[k, 0]))
+            worst, largest = max(worst, abs(total)), max(largest, extent)
+    return worst / largest if largest > 0.0 else 0.0

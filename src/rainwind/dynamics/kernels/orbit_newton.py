@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from rainwind.dynamics.kernels.chain import solve_periodic, solve_periodic_again
+from rainwind.dynamics.kernels.chain import chain_error, solve_periodic, solve_periodic_again
 from rainwind.dynamics.kernels.collocation import (
     condense,
     defects,
@@ -16,6 +16,8 @@ from rainwind.dynamics.kernels.linear import solve_many
 from rainwind.dynamics.kernels.periodic_schur import log_multipliers
 from rainwind.dynamics.kernels.values import values
 
+POOR = -1  # instead of a number of iterations
+_POOR_SOLUTION = 1e-6  # of the linear equations' error, as a share of their terms
 _CHORD = 1e-2  # size of Newton's step below which the next one may use the same matrix
 
 
@@ -24,8 +26,8 @@ def correct(tape, inputs, free, rule, h, u, tangent, scale, units, tolerance, li
     """The orbit in the hyperplane through u across the tangent (both (N,), the tangent in scaled unknowns).
 
     rule: Gauss weights, values w and slopes d of the basis; h: lengths of the intervals; units (n,) of the states.
-    Returns iterations (0: not converged), u, tangent, sign of the determinant, log mu without the trivial one, 1 - 1/mu
-    of that one, the Liouville error and the largest defect.
+    Returns iterations (0: not converged; POOR: the linear algebra failed), u, tangent, sign of the determinant, log mu
+    without the trivial one, 1 - 1/mu of that one, the Liouville error and the largest defect.
     """
     weights, w, d = rule
     m, n, q = w.shape[0], units.size, free.size
@@ -65,9 +67,11 @@ def correct(tape, inputs, free, rule, h, u, tangent, scale, units, tolerance, li
                 solve_inside_once(factors, orders, defect, inside)
                 steps[:, :, steps.shape[2] - 1] = inside
         if sign == 0.0:
-            break
+            return POOR, u, tangent, 0.0, np.empty(0, np.complex128), 0.0, 0.0, np.inf
         if fresh:
             profile, rest, its, reduced = solve_periodic(steps, rows, corner, right)
+            if not chain_error(steps, profile, rest, n) < _POOR_SOLUTION:
+                return POOR, u, tangent, 0.0, np.empty(0, np.complex128), 0.0, 0.0, np.inf
         else:
             profile, rest = solve_periodic_again(steps, rows, reduced, right)
         before, change = change, 0.0
