@@ -104,6 +104,15 @@ def test_a_given_orbit_is_followed_and_doublings_are_switched_at():
         sorted(cycle.period for cycle in exact), rel=1e-6
     )
     assert [orbit.stable for orbit in sorted(at.orbits, key=lambda orbit: orbit.period)] == [False, True]
+    # between the period doubling at a = 0 and the branch's first orbit, too
+    close = 0.5 * float(found.orbits[1].parameter.min())
+    assert 0 < close < 3e-3
+    assert sorted(orbit.period for orbit in found.at(close).orbits) == pytest.approx(
+        sorted(cycle.period for cycle in known.cycles({"a": close})), rel=1e-6
+    )
+    assert [(r.low, r.high, r.orbits) for r in found.stable_ranges()] == [
+        (-0.6, pytest.approx(0.0, abs=1e-8), (0,)), (pytest.approx(0.0, abs=1e-8), 0.6, (1,)),
+    ]  # fmt: skip
     shallow = rw.diagram(known.system, known.along, until=known.until, starts=[start], depth=0)
     assert len(shallow.orbits) == 1
     assert "1 period doublings or branch points of orbits were not followed: depth = 0" in shallow.audit()

@@ -63,8 +63,18 @@ def _equilibrium_between(problem: Equations, a: np.ndarray, b: np.ndarray, value
     return None if node is None else node.u[:-1]
 
 
-def orbits_at(system: System, branch: OrbitBranch, value: float, *, like: Orbit | None = None) -> list[Orbit]:
-    """Every orbit of a branch at one value of its parameter; with `like`, only where its period and means fit."""
+def orbits_at(
+    system: System,
+    branch: OrbitBranch,
+    value: float,
+    *,
+    like: Orbit | None = None,
+    birth: OrbitPoint | None = None,
+) -> list[Orbit]:
+    """Every orbit of a branch at one value of its parameter; with `like`, only where its period and means fit.
+
+    birth: the period doubling in which the branch begins.
+    """
     along = branch.along[0]
     system = system.with_parameters({along: value})
     places: list[tuple[float, Orbit]] = list(zip(branch.arclength.tolist(), branch.orbits, strict=True))
@@ -80,7 +90,7 @@ def orbits_at(system: System, branch: OrbitBranch, value: float, *, like: Orbit 
         if orbit is not None and not any(same_orbit(orbit, other, alike=_SAME) for other in found):
             found.append(orbit)
     if like is None:
-        for orbit in _beside_birth(system, branch, value):
+        for orbit in _beside_birth(system, branch, value, birth):
             if not any(same_orbit(orbit, other) for other in found):
                 found.append(orbit)
     return found
@@ -113,26 +123,34 @@ def _at_value(problem: OrbitEquations, guess: np.ndarray, value: float, most: fl
     return node if near else None
 
 
-def _beside_birth(system: System, branch: OrbitBranch, value: float) -> Iterator[Orbit]:
-    """The orbit between a Hopf point and the first orbit of the branch: its size goes like a square root."""
+def _beside_birth(
+    system: System, branch: OrbitBranch, value: float, birth: OrbitPoint | None
+) -> Iterator[Orbit]:
+    """The orbit between a Hopf point or period doubling and the branch's first orbit: size goes like a square root."""
     along = branch.along[0]
-    for point in branch.points("hopf"):
+    for point in [*branch.points("hopf"), *([birth] if birth is not None else [])]:
         if not len(branch):
             return
-        first = branch.orbits[0 if point.arclength <= branch.arclength[0] else -1]
+        first = branch.orbits[0 if point is birth or point.arclength <= branch.arclength[0] else -1]
         here, beyond = point.parameter, first.parameters[along]
         if not min(here, beyond) < value < max(here, beyond):
             continue
         problem = _problem(system, along, first, abs(beyond - here) or 1.0)
         u = _unknowns(first, along, first.grid)
-        mean = first.grid.quadrature @ first.profile
-        size = np.sqrt((value - here) / (beyond - here))
-        u[: first.profile.size] = (mean + size * (first.profile - mean)).ravel()
+        if isinstance(point, OrbitPoint):
+            mother = doubled(point.orbit)
+            origin = mother.grid.at(mother.profile, first.grid.nodes)
+        else:
+            origin = np.tile(point.state, (len(first.profile), 1))
+        part = (value - here) / (beyond - here)
+        shift = first.grid.quadrature @ (first.profile - origin)
+        swing = first.profile - origin - shift
+        u[: first.profile.size] = (origin + part * shift + np.sqrt(part) * swing).ravel()
         node = _at_value(problem, u, value, float("inf"))
         if node is not None:
             orbit = problem.orbit(node)
-            swing = np.ptp(orbit.profile, axis=0).max() / np.ptp(first.profile, axis=0).max()
-            if 1e-3 < swing < 1.5:
+            size = np.abs(orbit.profile - origin - part * shift).max() / np.abs(swing).max()
+            if 1e-3 < size < 1.5:
                 yield orbit
 
 

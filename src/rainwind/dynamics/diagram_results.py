@@ -1,13 +1,14 @@
 """Everything about a system in one parameter: all branches, their points, what exists and what is stable where."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from rainwind.dynamics.crossings import equilibria_at, orbits_at, same_orbit, same_state
+from rainwind.dynamics.crossings import doubled, equilibria_at, orbits_at, same_orbit, same_state
 from rainwind.dynamics.orbit_results import ORBIT_KINDS, Orbit, OrbitBranch, OrbitPoint
 from rainwind.dynamics.results import KINDS, Branch, Ended, Equilibrium, SpecialPoint
 from rainwind.dynamics.system import System, number
@@ -107,7 +108,7 @@ class Diagram:
                 if not any(same_state(one.state, other.state) for other, _ in equilibria):
                     equilibria.append((one, k))
         for k, orbit_branch in enumerate(self.orbits):
-            for orbit in orbits_at(self.system, orbit_branch, value):
+            for orbit in orbits_at(self.system, orbit_branch, value, birth=self.births[k][0]):
                 if not any(same_orbit(orbit, other) for other, branch_of in orbits if branch_of != k):
                     orbits.append((orbit, k))
         return Coexisting(
@@ -122,8 +123,8 @@ class Diagram:
     def stable_ranges(self) -> tuple[StableRange, ...]:
         """The whole range of the parameter in pieces, each with the branches that are stable on it."""
         least = 1e-9 * (self.until[1] - self.until[0])
-        runs = [(k, 0, run) for k, b in enumerate(self.equilibria) for run in stable_runs(b)]
-        runs += [(k, 1, run) for k, b in enumerate(self.orbits) for run in stable_runs(b)]
+        runs = [(k, 0, run) for k, b in enumerate(self.equilibria) for run in self.stable_runs(b)]
+        runs += [(k, 1, run) for k, b in enumerate(self.orbits) for run in self.stable_runs(b)]
         ends = sorted({*self.until, *(end for _, _, run in runs for end in run)})
         edges = [a for a, b in zip(ends, [*ends[1:], np.inf], strict=True) if b - a > least]
         edges[0], edges[-1] = self.until
@@ -138,6 +139,25 @@ class Diagram:
                 low = found.pop().low
             found.append(StableRange(low, high, numbers[0], numbers[1]))
         return tuple(found)
+
+    @cached_property
+    def births(self) -> tuple[tuple[OrbitPoint | None, OrbitPoint | None], ...]:
+        """The period doublings in which each branch of orbits begins and ends, if it does so in one."""
+        doublings = self.points("pd")
+        return tuple((birth_of(b, doublings, 0), birth_of(b, doublings, -1)) for b in self.orbits)
+
+    def pieces(
+        self, branch: Branch | OrbitBranch, *names: str
+    ) -> Iterator[tuple[int, tuple[np.ndarray, ...]]]:
+        """The pieces of one of the branches as `branch.pieces`, drawn through to where orbits are born."""
+        births = next((pair for b, pair in zip(self.orbits, self.births, strict=True) if b is branch), ())
+        return drawn(branch, *names, births=births)
+
+    def stable_runs(self, branch: Branch | OrbitBranch) -> Iterator[tuple[float, float]]:
+        """Ranges of the parameter over which a branch is stable, one for each of its pieces."""
+        for unstable, (x,) in self.pieces(branch, self.along):
+            if not unstable:
+                yield float(x.min()), float(x.max())
 
     def audit(self) -> list[str]:
         """Everything about this diagram that a careful reader should know before trusting it."""
@@ -187,7 +207,7 @@ class Diagram:
                 p, labels = branch.parameter, ", ".join(f"{q.kind} {q.parameter:.7g}" for q in branch.special)
                 if not len(p):
                     continue
-                runs = ", ".join(f"{a:.5g} ... {b:.5g}" for a, b in stable_runs(branch)) or "nowhere"
+                runs = ", ".join(f"{a:.5g} ... {b:.5g}" for a, b in self.stable_runs(branch)) or "nowhere"
                 lines.append(
                     f"  {name} {k}: {p.min():.6g} ... {p.max():.6g}, {len(p)} points; stable {runs}; "
                     f"{labels or 'no special points'}"
@@ -195,24 +215,51 @@ class Diagram:
         return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)]) + ">"
 
 
-def stable_runs(branch: Branch | OrbitBranch) -> Iterator[tuple[float, float]]:
-    """Ranges of the parameter over which a branch is stable, one for each of its pieces."""
-    for unstable, x in drawn(branch, branch.along[0]):
-        if not unstable:
-            yield float(x[0].min()), float(x[0].max())
-
-
-def drawn(branch: Branch | OrbitBranch, *names: str) -> Iterator[tuple[int, tuple[np.ndarray, ...]]]:
-    """The pieces of a branch, those of orbits drawn through to the Hopf points that they end in."""
+def drawn(
+    branch: Branch | OrbitBranch, *names: str, births: Sequence[OrbitPoint | None] = ()
+) -> Iterator[tuple[int, tuple[np.ndarray, ...]]]:
+    """The pieces of a branch, those of orbits through to the Hopf points and doublings at the beginning and end."""
     pieces = list(branch.pieces(*names))
     if isinstance(branch, OrbitBranch) and pieces:
         for point in branch.points("hopf"):
             k = 0 if point.arclength <= branch.arclength[0] else -1
-            unstable, columns = pieces[k]
-            ends = [_at_hopf(point, name) for name in names]
-            both = [([end], c) if k == 0 else (c, [end]) for end, c in zip(ends, columns, strict=True)]
-            pieces[k] = (unstable, tuple(np.concatenate(pair) for pair in both))
+            pieces[k] = _extended(pieces[k], k, [_at_hopf(point, name) for name in names])
+        for k, birth in zip((0, -1), births, strict=False):
+            if birth is not None:
+                one = replace(branch, orbits=(doubled(birth.orbit),), recorded=None)
+                pieces[k] = _extended(pieces[k], k, [float(one.column(name)[0]) for name in names])
     yield from pieces
+
+
+def birth_of(branch: OrbitBranch, points: Sequence[OrbitPoint], end: int) -> OrbitPoint | None:
+    """The period doubling, of those given, in which a branch of doubled orbits begins (end 0) or ends (end -1)."""
+    if not len(branch) or branch.ended[end] is not Ended.REVISITED:
+        return None
+    orbit, along = branch.orbits[end], branch.along[0]
+    other = branch.orbits[(1 if len(branch) > 1 else 0) if end == 0 else -min(2, len(branch))]
+    step = abs(orbit.parameters[along] - other.parameters[along])
+    size = np.ptp(orbit.profile, axis=0).max()
+    best = None
+    for point in points:
+        distance = float(np.max(np.abs(_means(point.orbit) - _means(orbit)))) / size
+        near = abs(point.parameter - orbit.parameters[along]) <= 5.0 * step + 1e-9
+        if near and distance < 0.1 and abs(2.0 * point.orbit.period - orbit.period) < 0.01 * orbit.period:
+            best = min(best or (distance, point), (distance, point), key=lambda pair: pair[0])
+    return best[1] if best else None
+
+
+def _means(orbit: Orbit) -> np.ndarray:
+    mean = orbit.grid.quadrature @ orbit.profile
+    return np.concatenate([mean, np.sqrt(orbit.grid.quadrature @ (orbit.profile - mean) ** 2)])
+
+
+def _extended(
+    piece: tuple[int, tuple[np.ndarray, ...]], k: int, ends: Sequence[float]
+) -> tuple[int, tuple[np.ndarray, ...]]:
+    """A piece with one more point, before it (k = 0) or behind it (k = -1)."""
+    unstable, columns = piece
+    both = [([end], c) if k == 0 else (c, [end]) for end, c in zip(ends, columns, strict=True)]
+    return unstable, tuple(np.concatenate(pair) for pair in both)
 
 
 def _at_hopf(point: SpecialPoint, name: str) -> float:

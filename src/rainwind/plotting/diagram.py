@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from rainwind.dynamics.diagram_results import Diagram, drawn
+from rainwind.dynamics.diagram_results import Diagram
 from rainwind.dynamics.orbit_results import OrbitBranch, OrbitPoint
 from rainwind.dynamics.results import Ended, SpecialPoint
 from rainwind.plotting import style
@@ -60,11 +60,11 @@ def draw_diagram(
         _draw_rest(diagram, axes, scale)
     else:
         for branch in diagram.equilibria:
-            for unstable, (x, y) in drawn(branch, along, panel.of):
+            for unstable, (x, y) in diagram.pieces(branch, along, panel.of):
                 _line(axes, scale * x, panel.scale * y, style.BLACK, unstable)
     for orbits in diagram.orbits:
         names = (panel.of,) if panel.amplitude else (f"max {panel.of}", f"min {panel.of}")
-        for unstable, (x, *columns) in drawn(orbits, along, *names):
+        for unstable, (x, *columns) in diagram.pieces(orbits, along, *names):
             for y in columns:
                 _line(axes, scale * x, panel.scale * y, color_of(orbits), unstable)
     axes.set_xlim(scale * diagram.until[0], scale * diagram.until[1])
@@ -111,7 +111,7 @@ def legend_of(diagram: Diagram, *, noun: str = "orbit") -> list[Any]:
         ([b for b in diagram.orbits if not _doubled(b)], style.BLUE, noun),
         ([b for b in diagram.orbits if _doubled(b)], style.VERMILION, f"{noun} of period 2, 4, ..."),
     ):
-        counts = [count for branch in branches for count, _ in drawn(branch, diagram.along)]
+        counts = [count for branch in branches for count, _ in diagram.pieces(branch, diagram.along)]
         for stable in (True, False):
             if any((count == 0) is stable for count in counts):
                 words = f"{name}, {'stable' if stable else 'unstable'}"

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from rainwind.dynamics.collocation import Mesh
 from rainwind.dynamics.diagram import Progress, diagram
-from rainwind.dynamics.diagram_results import Diagram, StableRange, drawn
+from rainwind.dynamics.diagram_results import Diagram, StableRange
 from rainwind.dynamics.orbit_results import OrbitBranch
 from rainwind.dynamics.results import Branch
 from rainwind.errors import InputError
@@ -74,23 +74,23 @@ def _sentence(result: Diagram, piece: StableRange) -> str:
 
 def _rest(result: Diagram, number: int, piece: StableRange) -> str:
     branch = result.equilibria[number]
-    angles = [np.degrees(columns[0]) for columns in _stable_parts(branch, result.along, piece, ("phi",))]
+    angles = [np.degrees(columns[0]) for columns in _stable_parts(result, branch, piece, ("phi",))]
     return f"rest, rivulet at {' and '.join(_range(part, '.0f') for part in angles)}°"
 
 
 def _vibrations(result: Diagram, number: int, piece: StableRange) -> Iterator[str]:
     branch = result.orbits[number]
     names = tuple(name for name in ("y", "z") if name in branch.states)
-    for *sizes, period in _stable_parts(branch, result.along, piece, (*names, "period")):
+    for *sizes, period in _stable_parts(result, branch, piece, (*names, "period")):
         swing = ", ".join(f"{name} ±{_range(size, '.3f')} m" for name, size in zip(names, sizes, strict=True))
         yield f"vibration, {swing}, period {_range(period, '.3f')} s"
 
 
 def _stable_parts(
-    branch: Branch | OrbitBranch, along: str, piece: StableRange, names: tuple[str, ...]
+    result: Diagram, branch: Branch | OrbitBranch, piece: StableRange, names: tuple[str, ...]
 ) -> Iterator[list[np.ndarray]]:
     """Columns of each stable part of a branch, cut at the range's ends; several parts may lie above each other."""
-    for unstable, (x, *columns) in drawn(branch, along, *names):
+    for unstable, (x, *columns) in result.pieces(branch, result.along, *names):
         low, high = max(piece.low, float(x.min())), min(piece.high, float(x.max()))
         if unstable or not low < high:
             continue
