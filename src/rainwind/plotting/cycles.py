@@ -58,10 +58,14 @@ def _mark(axes: Axes, kind: str, x: float, y: float) -> None:
 
 _PLACES = ((1, 0), (-1, 0), (1, 1), (-1, 1), (1, -1), (-1, -1), (0, 1), (0, -1))
 _LETTER, _HEIGHT, _GAP = 0.0165, 0.055, 0.018  # of a label, in parts of an axes half a page wide
+_CROWDED = 400.0  # of the 1600 points that stand for a text
 
 
 def label_clear(axes: Axes, points: Sequence[tuple[float, float, str]]) -> None:
-    """A text beside each point (x, y, text), on the side with fewest lines, within the axes' present limits."""
+    """A text beside each point (x, y, text), on the side with fewest lines, within the axes' present limits.
+
+    A text that would lie on another one is left out.
+    """
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     size = np.array([right - left, top - bottom])
     corner = np.array([left, bottom])
@@ -77,6 +81,8 @@ def label_clear(axes: Axes, points: Sequence[tuple[float, float, str]]) -> None:
         half = 0.5 * np.array([_LETTER * len(text), _HEIGHT])
         boxes = [at + np.array(side) * (half + _GAP) for side in _PLACES]
         cost = [_cost(middle, half, ink) for middle in boxes]
+        if min(cost) > _CROWDED:
+            continue
         middle = boxes[int(np.argmin(cost))]
         axes.text(
             float(middle[0]),
@@ -93,7 +99,7 @@ def label_clear(axes: Axes, points: Sequence[tuple[float, float, str]]) -> None:
 
 def _cost(middle: np.ndarray, half: np.ndarray, ink: np.ndarray) -> float:
     outside = np.maximum(np.abs(middle - 0.5) + half - 0.5, 0.0).sum()
-    return float(np.sum(np.all(np.abs(ink - middle) < half, axis=1)) + 1e4 * outside)
+    return float(np.sum(np.all(np.abs(ink - middle) < half, axis=1)) + 1e5 * outside)
 
 
 def draw_jump(axes: Axes, at: float, start: float, end: float) -> None:

@@ -120,7 +120,7 @@ def draw(result: Result, figure: Figure) -> Figure:
         grid = figure.add_gridspec(
             3 if wide else 2, 2 * count, height_ratios=(1.5, 0.62, 0.75) if wide else (1.5, 0.8)
         )
-        top = [figure.add_subplot(grid[0, :count])]
+        top = [figure.add_subplot(grid[0, :count] if wide else grid[0, :])]
         if wide:
             top.append(figure.add_subplot(grid[0, count:]))
         for axes, name, letter in zip(top, ("y", "z"), "ab", strict=False):
@@ -195,13 +195,11 @@ def _cycles(result: Result, figure: Figure, grid: GridSpec, wide: bool) -> None:
                 draw_orbit(orbit, axes, "z", "y")
             axes.set_xlabel("$z$ (m), leeward")
             rows[0].append(axes)
-        if not orbits:
-            style.note(rows[0][-1] if wide else figure.add_subplot(grid[-1, cell]), "no limit cycle")
     for column, (speed, orbits) in enumerate(result.shown.items()):
-        if not orbits and not wide:
-            continue
         axes = figure.add_subplot(grid[-1, 2 * column : 2 * column + 2])
         style.panel(axes, next(letters), f"{speed:g} m/s")
+        if not orbits:
+            style.note(axes, "no limit cycle at this wind speed")
         for orbit in orbits[::-1]:
             draw_time(orbit, axes, "phi", from_top_of="y", scale=float(np.degrees(1.0)))
         side = known.equilibria["D"]
