@@ -195,8 +195,14 @@ def zero_between(problem: Problem, a: Any, b: Any, value: Callable[[Any], float]
         if min(abs(first), abs(last)) > 1e-9 * max(abs(first), abs(last)):
             return None
         return at(fraction)
+    small = 1e-12 * max(abs(first), abs(last))
+
+    def settled(fraction: float) -> float:
+        found = value(at(fraction))
+        return 0.0 if abs(found) < small else found  # else the bracket would be narrowed for nothing
+
     try:
-        return at(brentq(lambda t: value(at(t)), 0.0, 1.0, xtol=1e-12, maxiter=60))  # type: ignore[arg-type]
+        return at(brentq(settled, 0.0, 1.0, xtol=1e-12, maxiter=60))  # type: ignore[arg-type]
     except (_Lost, RuntimeError, ValueError):
         return None
 
