@@ -24,6 +24,7 @@ from rainwind.dynamics.orbit_walks import (
     Progress,
     Route,
     both_ways,
+    check_mesh,
     joined,
     swing_size,
     swing_turned,
@@ -112,6 +113,7 @@ def _curve(
     monitors: Sequence[Monitor],
 ) -> OrbitBranch:
     check_steps(ds, limit)
+    check_mesh(mesh)
     check_states(system, start)
     along = (along,) if isinstance(along, str) else tuple(along)
     bounds = windows_of(system, along, until)

@@ -206,7 +206,9 @@ class OrbitEquations:
         )
         if iterations == newton.POOR:
             return self._correct_by_sparse_matrix(near, u, tangent)
-        if iterations == 0 or not np.all(np.isfinite(turned)) or self.collapsed(found, u):
+        if iterations == 0 or not (np.isfinite(residual) and np.all(np.isfinite(turned))):
+            return None
+        if self.collapsed(found, u):
             return None
         tests = np.array([turned[self.profile_size + 1], sign])
         return OrbitNode(

@@ -244,8 +244,10 @@ class OrbitBranch:
 
     def __repr__(self) -> str:
         ranges = ", ".join(
-            f"{name} = {self.column(name).min():.6g} ... {self.column(name).max():.6g}" for name in self.along
-        )
+            f"{name} = {column.min():.6g} ... {column.max():.6g}"
+            for name, column in ((name, self.column(name)) for name in self.along)
+            if column.size
+        ) or ", ".join(self.along)
         labels = "; ".join(map(str, self.special)) or "none"
         return f"<{self.kind} in {ranges}: {len(self)} orbits; special points: {labels}>"
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from rainwind.dynamics.collocation import Mesh
 from rainwind.dynamics.continuation import Walk
 from rainwind.dynamics.monitors import Event, Monitor, events_between
 from rainwind.dynamics.monitors import values as values_of
@@ -14,6 +15,7 @@ from rainwind.dynamics.orbit_bifurcations import OrbitInspector
 from rainwind.dynamics.orbit_equations import USELESS, OrbitEquations, OrbitNode
 from rainwind.dynamics.orbit_results import Orbit, OrbitBranch, OrbitPoint
 from rainwind.dynamics.results import Ended, Unexplained
+from rainwind.errors import InputError
 
 Progress = Callable[[Orbit, int], None]
 Passed = Callable[[OrbitNode, OrbitNode, int], tuple[Ended | None, list[Any]]]
@@ -49,6 +51,12 @@ class Half:
     ended: Ended
     points: list[Any]
     gaps: list[Unexplained]
+
+
+def check_mesh(mesh: Mesh | None) -> None:
+    """Raises InputError for a mesh that is none."""
+    if mesh is not None and not isinstance(mesh, Mesh):
+        raise InputError(f"mesh must be a Mesh, for example Mesh(intervals=40, degree=4); got {mesh!r}")
 
 
 def walked(route: Route, start: OrbitNode) -> Half:

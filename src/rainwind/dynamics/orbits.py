@@ -20,6 +20,7 @@ from rainwind.dynamics.orbit_walks import (
     Progress,
     Route,
     both_ways,
+    check_mesh,
     joined,
     on_grid_of,
     product,
@@ -133,6 +134,7 @@ def _start(
     if not isinstance(along, str) or along not in system.parameters:
         raise unknown_name(str(along), system.parameters, "parameter")
     low, high = window_of(system, along, until)  # type: ignore[arg-type]
+    check_mesh(mesh)
     hopf = isinstance(start, SpecialPoint) and not isinstance(start, OrbitPoint)
     if not isinstance(start, Orbit | OrbitPoint) and not (hopf and start.kind == "hopf"):
         given = f"a {start.kind} point" if hopf else type(start).__name__
@@ -166,8 +168,10 @@ def _start(
     point = start if isinstance(start, OrbitPoint) else None
     begun = kind == "orbit"
     node = first_node(problem, u) if begun else _beside(problem, u, _direction(problem, start, kind), ds)
-    if node is None:
-        raise ComputationError(f"the branch of orbits could not be started at {along} = {value:g}")
+    if node is None or (begun and not low - unit < node.u[-1] < high + unit):
+        raise ComputationError(
+            f"Newton does not find an orbit from the start at {along} = {value:g}; give a nearer one, or a finer mesh"
+        )
     return problem, node, _Beginning(kind, point)
 
 
@@ -204,7 +208,10 @@ def first_node(problem: OrbitEquations, u: np.ndarray) -> OrbitNode | None:
         tangents.append(tangent)
     x = problem.profile(u)
     swing = np.append((x - problem.grid.quadrature @ x).ravel(), np.zeros(u.size - x.size)) / problem.scale
-    tangents.insert(1, swing / np.linalg.norm(swing))
+    length = float(np.linalg.norm(swing))
+    if not length > 0.0:
+        return None
+    tangents.insert(1, swing / length)
     for tangent in tangents:
         node = problem.correct(OrbitNode(u, tangent, grid=problem.grid), u, tangent)
         if node is not None:
