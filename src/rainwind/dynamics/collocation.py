@@ -166,6 +166,8 @@ class Grid:
 
     def at(self, x: np.ndarray, times: np.ndarray) -> np.ndarray:
         """A profile (N m + 1, ...) at times (k,) in [0, 1]."""
+        if np.iscomplexobj(x):
+            return self.at(x.real, times) + 1j * self.at(x.imag, times)
         flat = np.ascontiguousarray(x).reshape(len(x), -1)
         found = kernel.interpolated(self.times, self.basis.nodes, self.basis.barycentric, flat, times)
         return found.reshape(len(times), *x.shape[1:])

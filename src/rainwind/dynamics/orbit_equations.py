@@ -6,7 +6,7 @@ import numpy as np
 
 from rainwind.dynamics import sparse_collocation as sparse
 from rainwind.dynamics.collocation import Grid, Linearised, Mesh
-from rainwind.dynamics.floquet import log_of_defect
+from rainwind.dynamics.floquet import by_orthogonal_iteration, log_of_defect
 from rainwind.dynamics.kernels import chain
 from rainwind.dynamics.kernels import collocation as kernel
 from rainwind.dynamics.kernels import orbit_newton as newton
@@ -210,6 +210,8 @@ class OrbitEquations:
             return None
         if self.collapsed(found, u):
             return None
+        if np.any(np.isnan(exponents)):
+            exponents, _, liouville = self.floquet(found, self.linearise(found))
         tests = np.array([turned[self.profile_size + 1], sign])
         return OrbitNode(
             found, turned, 0.0, iterations, tests, exponents, None, self.grid, log_of_defect(trivial), liouville,
@@ -281,7 +283,10 @@ class OrbitEquations:
     def floquet(self, u: np.ndarray, at: Linearised) -> tuple[np.ndarray, complex, float]:
         """log mu of the nontrivial multipliers (n - 1,), that of the trivial one, and the Liouville error."""
         flow = self.flow(u)
-        exponents = log_multipliers(kernel.deflated(at.steps, flow))
+        factors = kernel.deflated(at.steps, flow)
+        exponents = log_multipliers(factors)
+        if np.any(np.isnan(exponents)) and np.all(np.isfinite(factors)):
+            exponents = by_orthogonal_iteration(factors)
         trivial = log_of_defect(newton.trivial_defect(chain.reduce_chain(at.steps, self.n)[0], flow[0]))
         _, period, _ = self.parts(u)
         traces = np.trace(at.by[:, :, : self.n], axis1=1, axis2=2).reshape(-1, self.grid.degree)

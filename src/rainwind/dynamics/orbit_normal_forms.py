@@ -51,7 +51,8 @@ from rainwind.dynamics.kernels.tangents import second_orders
 from rainwind.dynamics.orbit_equations import OrbitEquations
 from rainwind.dynamics.sparse_collocation import bordered, factored, operator, solve
 
-RESONANCE = np.radians(1.0)
+# how near to a strong resonance k no coefficient is given, rad; at small angles other terms matter only very near
+RESONANCE = {1: np.radians(0.1), 2: np.radians(1.0), 3: np.radians(1.0), 4: np.radians(1.0)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +81,7 @@ def pd_coefficient(problem: OrbitEquations, u: np.ndarray) -> float:
 def ns_coefficient(problem: OrbitEquations, u: np.ndarray, angle: float) -> float:
     """Re d of eq. (12) at a Neimark-Sacker point (1/time); negative: the torus takes over the stability.
 
-    nan within one degree of angles 2 pi j / k with k = 1, 2, 3, 4, where other terms come in.
+    nan within one degree (k = 1: 0.1) of angles 2 pi j / k with k = 1, 2, 3, 4, where other terms come in.
     """
     return ns_form(problem, u, angle).coefficient
 
@@ -153,9 +154,14 @@ def ns_form(problem: OrbitEquations, u: np.ndarray, angle: float) -> OrbitForm:
 
 
 def near_resonance(angle: float) -> bool:
-    """Whether an angle lies within one degree of 2 pi j / k for some k = 1, 2, 3, 4."""
+    """Whether an angle lies within one degree of 2 pi j / k for some k = 2, 3, 4, or a tenth for k = 1."""
     turns = angle / (2.0 * np.pi)
-    return any(abs(turns - round(turns * k) / k) * 2.0 * np.pi < RESONANCE for k in (1, 2, 3, 4))
+    # the multiples of 2 pi / k that are none of 2 pi / 1
+    return any(
+        abs(turns - j / k) * 2.0 * np.pi < RESONANCE[k if j % k else 1]
+        for k in RESONANCE
+        for j in (round(turns * k),)
+    )
 
 
 class _Cycle:
