@@ -56,6 +56,7 @@ class OrbitEquations:
     tolerance: float = 1e-9
     scale: np.ndarray = field(init=False, repr=False)
     tape: tuple = field(default=(), repr=False, kw_only=True)
+    recent: list["OrbitEquations"] = field(default_factory=list, repr=False, kw_only=True)  # on other grids
 
     def __post_init__(self) -> None:
         rest = [[self.period_unit], self.parameter_units, np.ones(self.extras)]
@@ -134,7 +135,14 @@ class OrbitEquations:
 
     def on(self, grid: Grid) -> "OrbitEquations":
         """The same problem on another grid."""
-        return self if grid is self.grid else replace(self, grid=grid)
+        if grid is self.grid:
+            return self
+        for problem in self.recent:
+            if problem.grid is grid:
+                return problem
+        other = replace(self, grid=grid)
+        self.recent[:] = [other, *self.recent[:3]]
+        return other
 
     def moved(self, vector: np.ndarray, grid: Grid) -> np.ndarray:
         """Unknowns of this grid (or a change of them) as unknowns on another grid."""
@@ -257,6 +265,9 @@ class OrbitEquations:
 
     def collapsed(self, u: np.ndarray, predicted: np.ndarray) -> bool:
         """Whether Newton fell on an equilibrium, which solves the equations too, with any period."""
+        x = self.profile(u)
+        if np.max(np.abs(x[len(x) // 3] - x[0]) / self.units) > 1e-3:
+            return False
         return not self.swing(u) > max(1e-6 * self.swing(predicted), 1e-10)
 
     def age_after(self, near: Node) -> int:
