@@ -6,12 +6,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from matplotlib.text import Text
+from scipy.integrate import solve_ivp
 
 import rainwind as rw
+from rainwind.dynamics.crossings import orbits_at
+from rainwind.dynamics.system import as_system
 from rainwind.studies import figure_09_stability_diagram as figure_09
 from rainwind.studies import figure_10_rivulet_and_frequency as figure_10
 from rainwind.studies import figure_11_mass_coefficients_dof as figure_11
-from rainwind.studies.equilibrium_map import equilibria_by_letter
+from rainwind.studies.cycle_curves import crossings
+from rainwind.studies.equilibrium_map import equilibria_by_letter, equilibrium_map
 
 approx = pytest.approx
 AUTO = json.loads((Path(__file__).parents[1] / "validation/auto/reference.json").read_text(encoding="utf-8"))
@@ -103,9 +108,140 @@ def test_no_equilibrium_d_left_of_the_fold(diagram):
     assert "D" in equilibria_by_letter(right)
 
 
-def test_no_curve_of_limit_cycles_is_faked(diagram):
-    assert diagram.diagram.cycle_curves == ()
+def test_figure_9_says_nothing_against_itself(diagram):
     assert diagram.diagram.audit() == []
+    assert diagram.stable.faults == ()
+
+
+@pytest.fixture(scope="module")
+def raw():
+    """With the raw polynomials, as AUTO-07p has them."""
+    return figure_09.compute(rw.paper_model(outside="extend"))
+
+
+def labels_of_auto():
+    """Every fold of cycles, Neimark-Sacker point and doubling that AUTO's branches pass below 20 m/s."""
+    branches = AUTO["orbits"]["branches"]
+    labels = [label for branch in branches for label in branch["labels"] if label["speed"] < 20]
+    return [(label["name"], label["speed"], label["damping_ratio"], label["period"]) for label in labels]
+
+
+def test_curves_pass_every_label_on_autos_branches(raw):
+    """At 0.02 to 0.4 %; a curve is interpolated between its points, which costs some of AUTO's digits."""
+    labels = labels_of_auto()
+    assert {name for name, *_ in labels} == {"lpc", "ns", "pd"}
+    for name, speed, ratio, period in labels:
+        places = [
+            (abs(u - speed), abs(t - period))
+            for curve in raw.diagram.cycle_curves.of(name)
+            for u, t in crossings(ratio, curve[RATIO], curve["wind.speed"], curve["period"])
+        ]
+        gap, other = min(places, default=(np.inf, np.inf))
+        assert gap < 0.012, (name, speed, ratio)
+        assert other < 1e-4, (name, speed, ratio)
+
+
+def test_fold_curve_of_cycles_passes_autos_points(raw):
+    curves = raw.diagram.cycle_curves.of("lpc")
+    points = AUTO["orbits"]["curves"]["lpc"]["points"]
+    assert len(points) > 10
+    for point in points:
+        speeds = [u for c in curves for (u,) in crossings(point["damping_ratio"], c[RATIO], c["wind.speed"])]
+        assert min(abs(u - point["speed"]) for u in speeds) < 4e-3, point
+
+
+def test_cusp_and_resonances_of_the_fold_curve_as_auto_finds_them(raw):
+    """AUTO labels the cusp LP, and a fold along the curve too: the cusp is the one at the highest damping."""
+    labels = AUTO["orbits"]["curves"]["lpc"]["labels"]
+    cusp = max(labels, key=lambda label: label["damping_ratio"])
+    known = [("r1", one) for one in labels if one["auto_label"] == "R1"] + [("cpc", cusp)]
+    assert len(known) == 3
+    for kind, one in known:
+        nearest = min(
+            (p for p in raw.points if p.kind == kind), key=lambda p: abs(p.parameter - one["speed"])
+        )
+        assert nearest.parameter == approx(one["speed"], abs=3e-5)
+        assert nearest.parameters[RATIO] == approx(one["damping_ratio"], rel=1e-5)
+
+
+def test_ns_curve_ends_in_the_fold_hopf_point(raw):
+    (linear,) = [p for p in raw.diagram.points if p.kind == "zh"]
+    (end,) = [p for p in raw.points if p.kind == "zh"]
+    assert end.parameter == approx(linear.parameter, abs=1e-4)
+    assert end.parameters[RATIO] == approx(linear.parameters[RATIO], rel=1e-4)
+
+
+def test_every_resonance_is_counted_once(raw):
+    """An ns curve's own end is extrapolated; the fold curve has the point itself."""
+    assert all(not p.note for p in raw.points if p.kind == "r1")
+    assert len([p for p in raw.points if p.kind == "r1"]) == 5
+
+
+def test_beyond_the_range_the_coefficients_do_not_matter_to_cycles_of_the_upper_rivulet(raw, diagram):
+    assert [p.kind for p in diagram.points] == [p.kind for p in raw.points]
+    for ours, other in zip(diagram.points, raw.points, strict=True):
+        assert ours.parameter == approx(other.parameter, abs=1e-4)
+        assert ours.parameters[RATIO] == approx(other.parameters[RATIO], rel=1e-4)
+
+
+def test_where_a_cycle_is_stable_at_the_samples_damping(diagram, raw):
+    """From AUTO's Neimark-Sacker point to its upper Hopf point."""
+    ((low, high),) = raw.stable.ranges(0.002)
+    assert low == approx(10.8526, abs=1e-3)
+    assert high == approx(14.7991, abs=1e-3)
+    assert diagram.stable.ranges(0.002) == [(approx(low, abs=1e-4), approx(high, abs=1e-4))]
+
+
+@pytest.mark.parametrize("ratio", [0.0004, 0.0011, 0.0035, 0.0045])
+def test_the_count_of_stable_cycles_agrees_with_branches_it_was_not_made_from(diagram, ratio):
+    model = rw.paper_model().with_parameters({RATIO: ratio})
+    known = equilibrium_map(model, diagram.diagram.speeds)
+    hopf = [p for side in known.sides if side.letter in ("C", "D") for p in side.points("hopf")]
+    found = {}
+    for start in hopf:
+        branch = rw.continue_orbits(
+            model, "wind.speed", start=start, until=diagram.diagram.speeds, ds=0.2, mesh=rw.Mesh(30)
+        )
+        for speed in (7.5, 8.3, 9.2, 10.2, 11.5, 13.1, 14.0, 15.9, 16.6, 18.2, 19.6):
+            orbits = orbits_at(as_system(model), branch, speed)
+            found.setdefault(speed, {}).update({round(o.period, 6): o.stable for o in orbits})
+    for speed, orbits in found.items():
+        assert diagram.stable.at(speed, ratio) == sum(orbits.values()), (speed, ratio)
+
+
+def test_a_torus_beside_the_supercritical_part_of_the_ns_curve(diagram):
+    """No cycle is stable there; the vibration beats, and stays so, where the figure says that tori are suspected."""
+    assert diagram.stable.at(9.05, 0.0045) == 0
+    model = rw.paper_model().with_parameters({RATIO: 0.0045, "wind.speed": 9.05})
+    system = as_system(model)
+    side = equilibrium_map(model, diagram.diagram.speeds)["D"]
+    assert side is not None
+    start = side.points("hopf")[0]
+    branch = rw.continue_orbits(model, "wind.speed", start=start, until=(4.0, 12.0), ds=0.2, mesh=rw.Mesh(30))
+    (orbit,) = orbits_at(system, branch, 9.05)
+    assert not orbit.stable
+    run = solve_ivp(
+        lambda t, x: system.f(x[None, :])[0], (0.0, 900.0), orbit.profile[0] + 2e-3, method="LSODA", rtol=1e-8,
+        atol=1e-9, t_eval=np.linspace(700.0, 900.0, 12001),
+    )  # fmt: skip
+    y = run.y[0] - run.y[0].mean()
+    tops = y[1:-1][(y[1:-1] > y[:-2]) & (y[1:-1] >= y[2:])]
+    assert tops.min() == approx(0.124, abs=0.002)
+    assert tops.max() == approx(0.133, abs=0.002)
+
+
+def test_figure_9_names_what_it_shows(diagram):
+    figure = figure_09.draw(diagram, Figure())
+    assert len(figure.axes) == 3
+    words = [text.get_text() for text in figure.findobj(Text)]
+    assert {"fold of cycles (LPC)", "Neimark–Sacker (NS)", "period doubling (PD)", "resonance 1:1"} <= set(
+        words
+    )
+    said = " ".join(figure_09.summary(diagram))
+    assert "cpc (10.760 m/s, 0.4023 %)" in said
+    assert "a limit cycle is stable at 10.85 to 14.80 m/s" in said
+    tables = figure_09.tables(diagram)
+    assert {"lpc_1", "ns_1", "pd_1", "cycle_curve_points", "stable_cycles"} <= set(tables)
 
 
 def test_more_rivulet_friction(tenth):  # section 5, T10
@@ -171,6 +307,6 @@ def test_figures_draw_and_tabulate_every_variant(request, name):
 
 def test_heavy_rivulet_raises_the_window_of_damping():
     heavy = rw.paper_model().with_parameters({"rivulet.mass": 0.5})
-    result = figure_09.compute(heavy)
+    result = figure_09.compute(heavy, cycles=False)
     assert result.diagram.ratios[1] > 0.01
     assert result.diagram.critical[1] < result.diagram.ratios[1]

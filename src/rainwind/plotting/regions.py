@@ -13,13 +13,19 @@ def shade_absent(axes: Axes, low: float, onset: float, bottom: float, top: float
 
 
 def shade_unstable(
-    axes: Axes, speed: np.ndarray, ratio: np.ndarray, growth: np.ndarray, *, hatch: str | None = "////"
+    axes: Axes,
+    speed: np.ndarray,
+    ratio: np.ndarray,
+    growth: np.ndarray,
+    *,
+    hatch: str | None = "////",
+    color: str = style.UNSTABLE,
 ) -> None:
     """The region where `growth` (k, m) is positive, cross-hatched, over speed (m,) and ratio (k,) as drawn."""
     if growth.max() <= 0:
         return
     levels = [0.0, float(growth.max()) * 1.01]
-    axes.contourf(speed, ratio, growth, levels=levels, colors=[style.UNSTABLE], zorder=0.5)
+    axes.contourf(speed, ratio, growth, levels=levels, colors=[color], zorder=0.5)
     if hatch:
         over = axes.contourf(speed, ratio, growth, levels=levels, colors="none", hatches=[hatch], zorder=0.6)
         over.set_edgecolor("#B98A66")

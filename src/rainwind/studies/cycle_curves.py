@@ -6,7 +6,7 @@ are left out.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -39,6 +39,7 @@ SCANNED = (
 CONTINUE = {"lpc": continue_lpc, "ns": continue_ns, "pd": continue_pd}
 _KEPT = 8
 _LIMIT = 800  # points a direction
+_VANISHING = 0.5  # of arclength, from a generalised Hopf point
 _SAME_SPEED, _SAME_SIZE, _SAME_PERIOD = 2e-3, 0.05, 1e-3  # of the window, of the size, of the period
 _NEAR = 0.35  # of the curves' extent and of the size: an ns curve ends in a resonance no farther than this
 
@@ -89,13 +90,13 @@ class CycleCurves:
 
     def resonance_at(self, end: OrbitPoint) -> OrbitPoint | None:
         """The 1:1 resonance on a fold curve in which an ns curve ends; None if none is near."""
-        return self._resonances.get(id(end))
+        return next((true for one, true in self._resonances if one is end), None)
 
     @cached_property
-    def _resonances(self) -> dict[int, OrbitPoint]:
+    def _resonances(self) -> list[tuple[OrbitPoint, OrbitPoint]]:
         """Each extrapolated end of an ns curve with the resonance nearest to it, each taken once, nearest first."""
         if not self.curves:
-            return {}
+            return []
         width = [float(np.ptp(np.concatenate([c[name] for c in self.curves]))) or 1.0 for name in ALONG]
         size = max(float(c["y"].max()) for c in self.curves)
 
@@ -110,13 +111,11 @@ class CycleCurves:
             for i, end in enumerate(ends)
             for k, point in enumerate(known)
         )
-        taken: dict[int, OrbitPoint] = {}
-        free = set(range(len(known)))
+        taken: dict[int, int] = {}
         for gap, i, k in gaps:
-            if gap < _NEAR and id(ends[i]) not in taken and k in free:
-                taken[id(ends[i])] = known[k]
-                free.remove(k)
-        return taken
+            if gap < _NEAR and i not in taken and k not in taken.values():
+                taken[i] = k
+        return [(ends[i], known[k]) for i, k in taken.items()]
 
     def pieces(self, curve: OrbitBranch) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
         """A curve cut at its points: (multipliers outside besides the critical, speeds, ratios), drawn to its ends."""
@@ -133,16 +132,40 @@ class CycleCurves:
                     column[k] = column[k] if true is None else true.parameters[name]
         yield from ((count, speed, ratio) for count, (speed, ratio) in found)
 
+    def soft(self, curve: OrbitBranch) -> list[bool | None]:
+        """Of each piece of an ns curve, whether tori are born stable on it (supercritical); None where unknown.
+
+        From the coefficient at one cycle of the rows; it changes its sign at ch.
+        """
+        cuts = [p for p in curve.special if isinstance(p, OrbitPoint)]
+        found: list[bool | None] = [None] * len(list(self.pieces(curve)))
+        known = [p for row in self.rows for p in row.points("ns") if np.isfinite(p.coefficient or np.nan)]
+        at = next(((p, s) for p in known if (s := place_on(curve, p)) is not None), None)
+        if curve.kind != "ns" or at is None:
+            return found
+        point, s = at
+        here = int(np.sum([cut.arclength < s for cut in cuts])) - int(bool(cuts) and cuts[0].arclength <= 0.0)
+        for k in range(len(found)):
+            low, high = sorted((k, here))
+            between = cuts[int(bool(cuts) and cuts[0].arclength <= 0.0) :][low:high]
+            turned = sum(cut.kind == "ch" for cut in between) % 2 == 1
+            found[k] = ((point.coefficient or 0.0) < 0) != turned
+        return found
+
     def audit(self) -> list[str]:
         """What the curves say against themselves, and what could not be started."""
-        faults = [fault for curve in self.curves for fault in curve.audit() if not _shrinks(curve, fault)]
-        return faults + list(self.notes)
+        return [fault for curve in self.curves for fault in _faults(curve)] + list(self.notes)
 
 
-def _shrinks(curve: OrbitBranch, fault: str) -> bool:
-    """Whether a fault is only that a curve of folds ends in a generalised Hopf point, where its cycles vanish."""
-    smallest = min(curve["y"][0], curve["y"][-1])
-    return fault == Ended.STEP_TOO_SMALL.value and curve.kind == "lpc" and smallest < 0.1 * curve["y"].max()
+def _faults(curve: OrbitBranch) -> list[str]:
+    """A curve's audit without what is said near its end in a generalised Hopf point, where its cycles vanish."""
+    size, s = curve["y"], curve.arclength
+    for k in (0, -1):
+        if curve.kind == "lpc" and curve.ended[k] is Ended.STEP_TOO_SMALL and size[k] < 0.1 * size.max():
+            gaps = tuple(gap for gap in curve.unexplained if abs(gap.between[0] - s[k]) > _VANISHING)
+            ended = (Ended.AT_HOPF, curve.ended[1]) if k == 0 else (curve.ended[0], Ended.AT_HOPF)
+            curve = replace(curve, unexplained=gaps, ended=ended)
+    return curve.audit()
 
 
 def _others(curve: OrbitBranch) -> np.ndarray:
@@ -242,19 +265,27 @@ def _branches(
 
 
 def passes(curve: OrbitBranch, point: OrbitPoint, speeds: tuple[float, float]) -> bool:
-    """Whether a curve goes through a labelled cycle: at its damping ratio the same speed, size and period."""
+    """Whether a curve goes through a labelled cycle."""
+    return place_on(curve, point, _SAME_SPEED * (speeds[1] - speeds[0])) is not None
+
+
+def place_on(curve: OrbitBranch, point: OrbitPoint, near: float = 0.03) -> float | None:
+    """The arclength at which a curve goes through a labelled cycle: the same speed, size and period at its ratio.
+
+    near: how far the speeds may differ, m/s.
+    """
     if curve.kind != point.kind:
-        return False
+        return None
     size = point.orbit.amplitude["y"]
-    columns = (curve[SPEED], curve["y"], curve["period"])
-    for speed, y, period in crossings(point.parameters[RATIO], curve[RATIO], *columns):
+    columns = (curve.arclength, curve[SPEED], curve["y"], curve["period"])
+    for s, speed, y, period in crossings(point.parameters[RATIO], curve[RATIO], *columns):
         if (
-            abs(speed - point.parameter) < _SAME_SPEED * (speeds[1] - speeds[0])
+            abs(speed - point.parameter) < near
             and abs(y - size) < _SAME_SIZE * size
             and abs(period / point.orbit.period - 1.0) < _SAME_PERIOD
         ):
-            return True
-    return False
+            return s
+    return None
 
 
 def crossings(level: float, over: np.ndarray, *columns: np.ndarray) -> Iterator[tuple[float, ...]]:

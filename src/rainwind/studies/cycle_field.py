@@ -45,7 +45,18 @@ class CycleField:
 
     def at(self, speed: float, ratio: float) -> int:
         """The number of stable cycles at one place, from the limits."""
-        return _count(self.limits, ratio, np.array([speed]))[0]
+        return int(_count(self.limits, ratio, np.array([speed]))[0])
+
+    def ranges(self, ratio: float) -> list[tuple[float, float]]:
+        """The ranges of speeds (m/s) at which some cycle is stable at one damping ratio, from the limits."""
+        cuts = sorted({at for limit in self.limits if limit.gain for at, _ in _passages(limit, ratio)})
+        edges = [float(self.speed[0]), *cuts, float(self.speed[-1])]
+        found: list[tuple[float, float]] = []
+        for a, b in pairwise(edges):
+            if b > a and self.at(0.5 * (a + b), ratio) > 0:
+                joins = bool(found) and found[-1][1] == a
+                found.append((found.pop()[0] if joins else a, b))
+        return found
 
 
 def cycle_field(

@@ -7,6 +7,7 @@ import json
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from importlib import import_module
+from inspect import signature
 from pathlib import Path
 from time import perf_counter
 from types import ModuleType
@@ -68,8 +69,15 @@ def run(out: Path, *, progress: Progress) -> Run:
                 into[name] = target(name, model)
                 done += 1
         for name in STUDIES:
-            progress(done, total, name.replace("_", " "))
-            _study(name, blend, out / "figures", made)
+            words = name.replace("_", " ")
+            progress(done, total, words)
+            _study(
+                name,
+                blend,
+                out / "figures",
+                made,
+                lambda what, words=words, at=done: progress(at, total, f"{words}: {what}"),
+            )
             done += 1
         made.complete = True
     finally:
@@ -99,9 +107,11 @@ def _module(study: str) -> ModuleType:
     return import_module(f"rainwind.studies.{study}")
 
 
-def _study(name: str, model: RivuletModel, folder: Path, made: Run) -> None:
+def _study(name: str, model: RivuletModel, folder: Path, made: Run, progress: Callable[[str], None]) -> None:
     module = _module(name)
-    result = module.compute(model=model)
+    # only what takes long tells its steps
+    more = {"progress": progress} if "progress" in signature(module.compute).parameters else {}
+    result = module.compute(model=model, **more)
     figure = module.draw(result, Figure())
     for suffix in FORMATS:
         style.save(figure, folder / f"{name}.{suffix}")

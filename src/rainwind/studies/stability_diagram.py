@@ -10,6 +10,7 @@ from rainwind.dynamics.results import Branch, SpecialPoint
 from rainwind.dynamics.system import as_system
 from rainwind.physics.model import RivuletModel
 from rainwind.studies import paper
+from rainwind.studies.cycle_curves import CycleCurves
 from rainwind.studies.equilibrium_map import EquilibriumMap, equilibrium_map, speed_window
 from rainwind.studies.hopf_curves import ALONG, HopfPiece, critical_point, fold_curve, hopf_curves, pieces_of
 from rainwind.studies.stability_field import Field, stability_field
@@ -25,7 +26,7 @@ class StabilityDiagram:
 
     fold: the curve on which D is born, None where no D is. hopf: whole curves; pieces: the same, cut where they pass
     from one equilibrium to another. points: zh, hh, gh, bt, once each. critical: speed and ratio of the highest
-    point of the Hopf curve on D. cycle_curves: bifurcations of limit cycles, none in the linear theory.
+    point of the Hopf curve on D. cycle_curves: bifurcations of limit cycles, where they were asked for.
     """
 
     model: RivuletModel
@@ -40,7 +41,7 @@ class StabilityDiagram:
     critical: tuple[float, float] | None
     field: Field | None
     notes: tuple[str, ...] = ()
-    cycle_curves: tuple[Branch, ...] = ()
+    cycle_curves: CycleCurves | None = None
 
     @property
     def onset(self) -> float | None:
@@ -93,7 +94,8 @@ class StabilityDiagram:
     def audit(self) -> list[str]:
         """What the branches and curves say against themselves."""
         curves = [*self.equilibria.branches, *self.hopf, *([self.fold] if self.fold else [])]
-        return [fault for curve in curves for fault in curve.audit()]
+        cycles = self.cycle_curves.audit() if self.cycle_curves is not None else []
+        return [fault for curve in curves for fault in curve.audit()] + cycles
 
 
 def stability_diagram(
