@@ -95,7 +95,9 @@ def draw(result: Result, figure: Figure) -> Figure:
             _whole(result, figure.add_subplot())
         else:
             _panels(result, figure)
-        style.below(figure, diagram.notes, letters=130 if cycles else 66)
+        doubts = result.stable.faults if result.stable is not None else ()
+        doubt = (f"the count of stable cycles is doubtful: {doubts[0]}",) if doubts else ()
+        style.below(figure, (*diagram.notes, *doubt), letters=130 if cycles else 66)
     return figure
 
 
