@@ -103,7 +103,7 @@ def test_several_that_qualify_are_noted():
 
 def test_beyond_a_second_fold_there_is_no_d():
     model = with_second_fold()
-    result = figure_09_stability_diagram.compute(model, speeds=(1.0, 30.0))
+    result = figure_09_stability_diagram.compute(model, speeds=(1.0, 30.0), cycles=False)
     diagram = result.diagram
     assert diagram.reach is not None
     assert diagram.field is not None
@@ -159,11 +159,11 @@ def test_a_stopped_hopf_curve_is_not_drawn(monkeypatch):
 
     monkeypatch.setattr(hopf_curves, "continue_hopf", stopped)
     with pytest.raises(KeyboardInterrupt):
-        figure_09_stability_diagram.compute()
+        figure_09_stability_diagram.compute(cycles=False)
 
 
 def test_summaries_say_fold_critical_damping_and_unstable_speeds():
-    result = figure_09_stability_diagram.compute()
+    result = figure_09_stability_diagram.compute(cycles=False)
     said = figure_09_stability_diagram.summary(result)
     assert said[0] == "The upper rivulet D exists above 8.00 m/s (fold)."
     assert said[1].startswith("Critical damping: 0.694 %, at 9.05 m/s")
