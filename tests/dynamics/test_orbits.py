@@ -55,6 +55,7 @@ def assert_found(branch, answers, tolerance=1e-6):
         point = min(near, key=lambda p: abs((p.angle or 0.0) - (answer.angle or 0.0)))
         left.remove(point)
         assert point.certificate.holds, str(point.certificate)
+        assert 0.0 < point.certificate.residual < 1e-7
         if point.kind == "ns":
             assert point.angle == pytest.approx(answer.angle, abs=1e-5)
         if answer.soft is not None:

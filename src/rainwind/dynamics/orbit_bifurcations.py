@@ -133,7 +133,7 @@ class BranchInspector(OrbitInspector):
 
 def near_circle(exponents: Complex) -> Complex:
     """Exponents with those far inside the circle cut off: their changes are noise."""
-    return np.maximum(exponents.real, FARTHEST) + 1j * exponents.imag
+    return np.asarray(np.maximum(exponents.real, FARTHEST) + 1j * exponents.imag, dtype=np.complex128)
 
 
 def orbit_inspector(problem: OrbitEquations) -> BranchInspector:
@@ -193,8 +193,9 @@ def _locate_branch_point(problem: OrbitEquations, a: Probe, b: Probe, fraction: 
     arclength = na.arclength + ahead / length * (nb.arclength - na.arclength)
     tangent = step / length
     node = OrbitNode(
-        u, tangent, arclength, eigenvalues=exponents, grid=problem.grid, trivial=trivial, liouville=liouville
-    )
+        u, tangent, arclength, eigenvalues=exponents, grid=problem.grid, trivial=trivial, liouville=liouville,
+        residual=float(np.max(np.abs(problem.defects(u)))),
+    )  # fmt: skip
     return describe(problem, "bp", node, float(np.min(np.abs(exponents))), unfolding)
 
 
