@@ -18,7 +18,8 @@ from rainwind.dynamics.results import Certificate
 
 # nodes from one look at the normal-form coefficient of pd and ns to the next: it costs as much as several nodes
 _STRIDE = 4
-SMALLEST_ANGLE = 0.005  # rad from 0 or pi at which an ns curve is taken to end in a 1:1 or 1:2 resonance
+SMALLEST_ANGLE = 1e-3  # rad from 0 or pi at which an ns curve is taken to end in a 1:1 or 1:2 resonance
+_DOUBLE = 0.1  # between exponents: nearer ones may be a double root that rounding has parted
 
 
 def curve_inspector(problem: OrbitCurveEquations) -> OrbitInspector:
@@ -34,12 +35,29 @@ def curve_inspector(problem: OrbitCurveEquations) -> OrbitInspector:
 
 
 def free_exponents(problem: OrbitCurveEquations, node: Any) -> Complex:
-    """The exponents of a node but those that the curve holds on the unit circle."""
+    """The exponents of a node but those that the curve holds on the unit circle.
+
+    At 1:1 and 1:2 another one meets the one held. The two part like the root of the error, their sum does not: the free
+    one is the sum.
+    """
     rest = node.eigenvalues
     angle = problem.angle(node.u)
-    for target in (1j * angle, -1j * angle) if problem.kind == "ns" else (1j * angle,):
-        rest = np.delete(rest, np.argmin(np.abs(np.exp(1j * rest.imag) - np.exp(target)) + np.abs(rest.real)))
-    return near_circle(rest)
+    if problem.kind == "ns":
+        for sign in (1.0, -1.0):
+            rest = np.delete(rest, np.argmin(np.abs(away_from(sign * angle, rest))))
+        return near_circle(rest)
+    away = away_from(angle, rest)
+    held, *others = np.argsort(np.abs(away))
+    if others and abs(away[others[0]]) < _DOUBLE:
+        both = away[held] + away[others[0]]
+        rest = rest.copy()
+        rest[others[0]] = both.real + 1j * (angle + np.round(both.imag, 9))  # a real multiplier stays real
+    return near_circle(np.delete(rest, held))
+
+
+def away_from(angle: float, exponents: Complex) -> Complex:
+    """Exponents less i angle, their imaginary parts in [-pi, pi)."""
+    return exponents.real + 1j * (np.mod(exponents.imag - angle + np.pi, 2.0 * np.pi) - np.pi)
 
 
 def _on_lpc(changes: Changes) -> str | None:
@@ -89,10 +107,11 @@ def describe(
     """A labelled point of a curve with its certificate."""
     orbit = problem.orbit(node)
     checks = {"value that vanishes": (here, 1e-6)}
-    # where multipliers meet on the circle they move like the root of the error
-    loose = 1e-3 if kind in ("r1", "r2", "foldflip") else 1e-6
-    nearest = np.min(np.abs(node.eigenvalues - 1j * problem.angle(node.u)))
-    checks["critical multiplier"] = (float(nearest), loose)
+    # where multipliers meet on the circle they move like the root of the error, their mean does not
+    meeting = 2 if kind in ("r1", "r2") and problem.kind != "ns" else 1
+    away = away_from(problem.angle(node.u), node.eigenvalues)
+    nearest = np.mean(away[np.argsort(np.abs(away))[:meeting]])
+    checks["critical multiplier"] = (float(abs(nearest)), 1e-3 if kind == "foldflip" else 1e-6)
     return OrbitPoint(
         kind, problem.system.states, orbit.profile[0], orbit.parameters, problem.along, node.eigenvalues,
         node.arclength, Certificate(orbit.residual, checks, {"mesh error": orbit.mesh_error}),

@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 
 from rainwind.dynamics.branches import check_states, check_steps
 from rainwind.dynamics.collocation import Grid, Mesh
@@ -204,11 +205,14 @@ def _name_the_end(problem: OrbitCurveEquations, half: Half) -> None:
     slope = (sizes[0] - sizes[1]) / (offsets[0] - offsets[1])
     if kind == "r1" and abs(sizes[1] - slope * offsets[1]) < 0.1 * abs(slope * offsets[1]):
         kind = "zh"
-    values = [np.array(list(problem.on(node.grid).named(node.u).values())) for node in nodes]
-    # parameters are smooth in the square of the angle: on to zero along a straight line
-    rest = offsets[1] ** 2 / (offsets[0] ** 2 - offsets[1] ** 2)
-    at_end = values[1] + rest * (values[1] - values[0])
     here = problem.on(nodes[-1].grid)
+    values = np.array([list(problem.on(node.grid).named(node.u).values()) for node in nodes])
+    # parameters are smooth in the square of the angle: on to zero along the cubic through both nodes and slopes
+    squares = np.square(offsets)
+    rates = [problem.on(node.grid).tangent_parameters(node) / node.tangent[-1] for node in nodes]
+    by_angle = np.array(rates) / problem.scale[-1] * (-1.0 if kind == "r2" else 1.0)
+    slopes = by_angle / (2.0 * np.array(offsets)[:, None])
+    at_end = CubicHermiteSpline(squares[::-1], values[::-1], slopes[::-1])(0.0)
     point = describe(here, kind, nodes[-1], 0.0, note=f"extrapolated from an angle of {offsets[1]:.2g} rad")
     parameters = {**point.parameters, **dict(zip(problem.along, at_end.tolist(), strict=True))}
     half.points.append(replace(point, parameters=parameters))
