@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -48,7 +49,7 @@ def check_steps(ds: float, limit: int) -> None:
         raise InputError(f"limit = {limit}: at least one point a direction is needed")
 
 
-def check_states(system: System, start: Equilibrium | SpecialPoint) -> None:
+def check_states(system: System, start: Any) -> None:
     """Raises InputError for a start that belongs to another system."""
     if start.states != system.states:
         raise InputError(

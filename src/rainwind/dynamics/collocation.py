@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cache, cached_property
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -164,8 +165,8 @@ class Grid:
         found[m::m] += nodal[:, -1]
         return found
 
-    def at(self, x: np.ndarray, times: np.ndarray) -> np.ndarray:
-        """A profile (N m + 1, ...) at times (k,) in [0, 1]."""
+    def at(self, x: Any, times: np.ndarray) -> Any:
+        """A profile (N m + 1, ...), real or complex, at times (k,) in [0, 1]."""
         if np.iscomplexobj(x):
             return self.at(x.real, times) + 1j * self.at(x.imag, times)
         flat = np.ascontiguousarray(x).reshape(len(x), -1)

@@ -59,7 +59,7 @@ class Walk:
         self.window = window or {}
         self.ended: Ended | None = None
 
-    def __iter__(self) -> Iterator[Node]:
+    def __iter__(self) -> Iterator[Any]:
         if not isinstance(self.problem, Equations):
             yield from self._plain()
             return

@@ -1,6 +1,7 @@
 """Floquet exponents log mu: in order from one orbit to the next."""
 
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,9 @@ def by_orthogonal_iteration(factors: np.ndarray) -> Complex:
     is a small block, whose own product loses little.
     """
     n = factors.shape[-1]
-    q = np.eye(n)
+    q = start = np.eye(n)
+    sums: np.ndarray = np.zeros(n)
+    triangles: list[np.ndarray] = []
     for _ in range(_PASSES):
         start, sums, triangles = q, np.zeros(n), []
         for factor in factors:
@@ -35,7 +38,7 @@ def by_orthogonal_iteration(factors: np.ndarray) -> Complex:
             largest = float(np.max(np.abs(block)))
             block, size = block / largest, size + np.log(largest)
         found.append(np.log(np.linalg.eigvals(turn[first:last, first:last] @ block).astype(complex)) + size)
-    exponents = np.concatenate(found)
+    exponents: Any = np.concatenate(found)
     exponents.imag[exponents.imag < -np.pi + 1e-14] = np.pi
     return exponents[np.lexsort((-exponents.imag, -exponents.real))]
 

@@ -12,6 +12,7 @@ The chain of intervals is reduced to its ends first, so that everything here is 
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,13 +47,13 @@ class Condition:
     """
 
     kind: str
-    g: np.ndarray
+    g: Any
     z: complex
-    first: np.ndarray
-    last: np.ndarray
-    rest: np.ndarray
-    nu: np.ndarray
-    zeta: np.ndarray
+    first: Any
+    last: Any
+    rest: Any
+    nu: Any
+    zeta: Any
     reduced: tuple[np.ndarray, np.ndarray, np.ndarray]  # ends, tops, reflections
 
     @property
@@ -198,7 +199,7 @@ def slopes(problem: OrbitEquations, u: np.ndarray, at: Linearised, found: Condit
     return np.array(found_slopes)
 
 
-def _real(values: np.ndarray) -> np.ndarray:
+def _real(values: Any) -> np.ndarray:
     """Real and imaginary parts as rows of a new first axis; of real values only these."""
     return np.stack([values.real, values.imag]) if np.iscomplexobj(values) else values[None]
 

@@ -1,6 +1,7 @@
 """Periodic orbits as a curve H(u) = 0: collocation, periodicity, and an integral phase condition."""
 
 from dataclasses import dataclass, field, replace
+from typing import Any, Self
 
 import numpy as np
 
@@ -56,7 +57,7 @@ class OrbitEquations:
     tolerance: float = 1e-9
     scale: np.ndarray = field(init=False, repr=False)
     tape: tuple = field(default=(), repr=False, kw_only=True)
-    recent: list["OrbitEquations"] = field(default_factory=list, repr=False, kw_only=True)  # on other grids
+    recent: list[Any] = field(default_factory=list, repr=False, kw_only=True)  # on other grids
 
     def __post_init__(self) -> None:
         rest = [[self.period_unit], self.parameter_units, np.ones(self.extras)]
@@ -133,7 +134,7 @@ class OrbitEquations:
         """The estimated error of a profile, in units of max(1, |state|)."""
         return error_of(self.grid, x)
 
-    def on(self, grid: Grid) -> "OrbitEquations":
+    def on(self, grid: Grid) -> Self:
         """The same problem on another grid."""
         if grid is self.grid:
             return self

@@ -209,7 +209,7 @@ class OrbitBranch:
     @property
     def unstable(self) -> np.ndarray:
         """Number of multipliers outside the unit circle (N,), those that a curve holds on it not counted."""
-        return np.array([orbit.unstable for orbit in self.orbits])
+        return np.array([_unstable(self.kind, orbit.exponents) for orbit in self.orbits])
 
     @property
     def stable(self) -> np.ndarray:
@@ -250,6 +250,20 @@ class OrbitBranch:
         ) or ", ".join(self.along)
         labels = "; ".join(map(str, self.special)) or "none"
         return f"<{self.kind} in {ranges}: {len(self)} orbits; special points: {labels}>"
+
+
+def _unstable(kind: str, exponents: NDArray[np.complex128]) -> int:
+    """How many exponents lie right of the axis, without those that a curve of this kind holds on it."""
+    real = exponents.real
+    if kind in ("lpc", "pd"):
+        at_minus_one = np.abs(np.abs(exponents.imag) - np.pi) < 1e-9
+        candidates = np.where(at_minus_one if kind == "pd" else exponents.imag == 0.0, np.abs(real), np.inf)
+        real = np.delete(real, np.argmin(candidates))
+    elif kind == "ns":
+        real = np.delete(
+            real, np.argsort(np.where(exponents.imag != 0.0, np.abs(real), np.inf), kind="stable")[:2]
+        )
+    return int(np.sum(real > 0))
 
 
 def _value(point: OrbitPoint, name: str) -> float:

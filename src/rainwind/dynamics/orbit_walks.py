@@ -17,6 +17,9 @@ from rainwind.dynamics.orbit_results import Orbit, OrbitBranch, OrbitPoint
 from rainwind.dynamics.results import Ended, Unexplained
 from rainwind.errors import InputError
 
+_LOOKS = 12
+_SAME = 1e-5  # in units: how near to its start a closed walk comes
+
 Progress = Callable[[Orbit, int], None]
 Passed = Callable[[OrbitNode, OrbitNode, int], tuple[Ended | None, list[Any]]]
 
@@ -223,16 +226,38 @@ def product(problem: OrbitEquations, x: np.ndarray, y: np.ndarray) -> float:
 
 
 def through_start(problem: OrbitEquations, a: OrbitNode, b: OrbitNode, start: OrbitNode) -> bool:
-    """Whether the walk passes its start between a and b: by quantities that no shift along the orbit changes."""
-    va, vb, v0 = (_invariants(problem.on(node.grid), node) for node in (a, b, start))
-    step = vb - va
-    length = float(np.linalg.norm(step))
-    fraction = float((v0 - va) @ step) / length**2 if length else 0.0
-    if not 0.0 <= fraction < 1.0:
-        return False
-    offset = float(np.linalg.norm(va + fraction * step - v0))
+    """Whether the walk passes its start between a and b: by quantities that no shift along the orbit changes.
+
+    A point between a and b is looked at where the start may lie off their chord only because the curve bends.
+    """
+    v0 = _invariants(problem.on(start.grid), start)
     rates = [problem.on(node.grid).tangent_parameters(node) for node in (start, b)]
-    return offset < 0.1 * length and offset < 1e-2 and float(rates[0] @ rates[1]) >= 0.0
+    if float(rates[0] @ rates[1]) < 0.0:
+        return False
+    here = problem.on(b.grid)
+    first: Any = replace(a, u=on_grid_of(problem, a, b), tangent=b.tangent, grid=b.grid)
+    last: Any = b
+    for _ in range(_LOOKS):
+        va, vb = (_invariants(here, node) for node in (first, last))
+        step = vb - va
+        length = float(np.linalg.norm(step))
+        fraction = float((v0 - va) @ step) / length**2 if length else -1.0
+        if not -0.1 <= fraction < 1.1:
+            return False
+        offset = float(np.linalg.norm(va + fraction * step - v0))
+        if offset < _SAME:
+            return 0.0 <= fraction < 1.0
+        if offset > 0.5 * length:
+            return False
+        inside = min(max(fraction, 0.05), 0.95)
+        u = first.u + inside * (last.u - first.u)
+        found = here.correct(b, u, b.tangent)
+        if found is None:
+            return False
+        vm = _invariants(here, found)
+        before = float((v0 - vm) @ step) < 0.0
+        first, last = (first, found) if before else (found, last)
+    return False
 
 
 def _invariants(problem: OrbitEquations, node: OrbitNode) -> np.ndarray:

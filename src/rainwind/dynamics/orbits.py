@@ -135,9 +135,10 @@ def _start(
         raise unknown_name(str(along), system.parameters, "parameter")
     low, high = window_of(system, along, until)  # type: ignore[arg-type]
     check_mesh(mesh)
+    kind = getattr(start, "kind", "orbit")
     hopf = isinstance(start, SpecialPoint) and not isinstance(start, OrbitPoint)
-    if not isinstance(start, Orbit | OrbitPoint) and not (hopf and start.kind == "hopf"):
-        given = f"a {start.kind} point" if hopf else type(start).__name__
+    if not isinstance(start, Orbit | OrbitPoint) and not (hopf and kind == "hopf"):
+        given = f"a {kind} point" if hopf else type(start).__name__
         raise InputError(
             f"orbits start from a Hopf point, an Orbit (see find_orbit) or a labelled orbit; got {given}"
         )
@@ -149,10 +150,11 @@ def _start(
             f"start: {along} = {value:g} lies outside until = ({low:g}, {high:g}); move one of them"
         )
     unit = (high - low) / 20.0
-    if hopf:
+    if not isinstance(start, Orbit | OrbitPoint):
         return _from_hopf(system, along, start, unit, mesh or Mesh())
-    orbit = start.orbit if isinstance(start, OrbitPoint) else start
-    kind = start.kind if isinstance(start, OrbitPoint) and start.kind in ("pd", "bp") else "orbit"
+    point = start if isinstance(start, OrbitPoint) else None
+    orbit: Orbit = start.orbit if isinstance(start, OrbitPoint) else start
+    kind = kind if kind in ("pd", "bp") else "orbit"
     grid, x, period = orbit.grid, orbit.profile, orbit.period
     if kind == "pd":
         grid = Grid(np.concatenate([0.5 * grid.times, 0.5 + 0.5 * grid.times[1:]]), grid.degree)
@@ -165,10 +167,9 @@ def _start(
         x, grid = grid.at(x, other.nodes), other
     problem = OrbitEquations(system, (along,), grid, units, period, np.array([unit]), mesh)
     u = np.concatenate([x.ravel(), [period, value]])
-    point = start if isinstance(start, OrbitPoint) else None
-    begun = kind == "orbit"
-    node = first_node(problem, u) if begun else _beside(problem, u, _direction(problem, start, kind), ds)
-    if node is None or (begun and not low - unit < node.u[-1] < high + unit):
+    switched = point if kind in ("pd", "bp") else None
+    node = _beside(problem, u, _direction(problem, switched, kind), ds) if switched else first_node(problem, u)
+    if node is None or (switched is None and not low - unit < node.u[-1] < high + unit):
         raise ComputationError(
             f"Newton does not find an orbit from the start at {along} = {value:g}; give a nearer one, or a finer mesh"
         )
