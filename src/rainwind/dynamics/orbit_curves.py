@@ -11,6 +11,7 @@ from rainwind.dynamics.branches import check_states, check_steps
 from rainwind.dynamics.collocation import Grid, Mesh
 from rainwind.dynamics.curves import windows_of
 from rainwind.dynamics.monitors import Monitor, checked
+from rainwind.dynamics.newton import solve_equilibrium, spectrum
 from rainwind.dynamics.nodes import Node
 from rainwind.dynamics.orbit_codimension_two import (
     SMALLEST_ANGLE,
@@ -24,12 +25,12 @@ from rainwind.dynamics.orbit_walks import (
     Half,
     Progress,
     Route,
+    back_at_start,
     both_ways,
     check_mesh,
     joined,
     swing_size,
     swing_turned,
-    through_start,
 )
 from rainwind.dynamics.results import Ended
 from rainwind.dynamics.system import System, as_system
@@ -131,9 +132,7 @@ def _curve(
     def passed(a: Any, b: Any, count: int) -> tuple[Ended | None, list[Any]]:
         if swing_turned(problem, a, b):
             return Ended.AT_HOPF, []
-        if count >= 3 and through_start(problem, a, b, node):
-            return Ended.CLOSED, []
-        return None, []
+        return (back_at_start(problem, a, b, node) if count >= 3 else None), []
 
     watched = checked(monitors, (*system.states, *system.parameters, "period"))
     window = problem.window(bounds)
@@ -192,7 +191,15 @@ def _first(
 
 
 def _name_the_end(problem: OrbitCurveEquations, half: Half) -> None:
-    """An ns curve ends at angle 0 or pi in a resonance or, where the orbits vanish too, in a fold-Hopf point."""
+    """An ns curve ends at angle 0 or pi in a resonance or, where the orbits vanish too, in a fold-Hopf point.
+
+    An lpc curve whose orbits vanish ends in a generalised Hopf point.
+    """
+    if problem.kind == "lpc" and half.ended in (Ended.AT_HOPF, Ended.STEP_TOO_SMALL):
+        point = _generalised_hopf(problem, half.nodes)  # type: ignore[arg-type]
+        if point is not None:
+            half.points.append(point)
+            half.ended = Ended.AT_HOPF
     if problem.kind != "ns" or half.ended is not Ended.AT_BOUND or len(half.nodes) < 2:
         return
     nodes: list[Any] = half.nodes[-2:]
@@ -217,6 +224,42 @@ def _name_the_end(problem: OrbitCurveEquations, half: Half) -> None:
     parameters = {**point.parameters, **dict(zip(problem.along, at_end.tolist(), strict=True))}
     half.points.append(replace(point, parameters=parameters))
     half.ended = Ended.AT_RESONANCE if kind != "zh" else Ended.AT_HOPF
+
+
+def _generalised_hopf(problem: OrbitCurveEquations, nodes: list[OrbitCurveNode]) -> OrbitPoint | None:
+    """The generalised Hopf point to which the orbits of an lpc curve shrink, extrapolated; None where they do not."""
+    if len(nodes) < 3:
+        return None
+    sizes = np.array([swing_size(problem, node) for node in nodes[-3:]])
+    if not (sizes[0] > sizes[1] > sizes[2] and sizes[2] < 0.5):
+        return None
+    squares = sizes**2
+    values = np.array([list(problem.on(node.grid).named(node.u).values()) for node in nodes[-3:]])
+    # parameters and the mean state are smooth in the square of the size
+    at_end = [float(np.polynomial.Polynomial.fit(squares, column, 2)(0.0)) for column in values.T]
+    linear = [float(np.polynomial.Polynomial.fit(squares[1:], column, 1)(0.0)) for column in values[1:].T]
+    last: Any = nodes[-1]
+    here = problem.on(last.grid)
+    x, period, _ = here.parts(last.u)
+    rest = solve_equilibrium(
+        problem.system.with_parameters(dict(zip(problem.along, at_end, strict=True))),
+        here.grid.quadrature @ x,
+    )
+    if rest is None:
+        return None
+    values_there = spectrum(problem.system.jacobian(rest[0], dict(zip(problem.along, at_end, strict=True))))
+    omega = 2.0 * np.pi / period
+    nearest = values_there[np.argmin(np.abs(values_there - 1j * omega))]
+    if abs(nearest.real) > 0.01 * omega:
+        return None
+    point = describe(here, "gh", last, 0.0, note=f"extrapolated from orbits of size {sizes[-1]:.2g}")
+    spread = max(
+        abs(a - b) / unit for a, b, unit in zip(at_end, linear, problem.parameter_units, strict=True)
+    )
+    checks = {"real part of the pair": (float(nearest.real), 0.01 * omega), "extrapolation": (spread, 0.1)}
+    parameters = {**point.parameters, **dict(zip(problem.along, at_end, strict=True))}
+    certificate = replace(point.certificate, checks=checks)
+    return replace(point, parameters=parameters, certificate=certificate)
 
 
 def _allowed(start: Any, kinds: tuple[str, ...], caller: str) -> None:

@@ -119,7 +119,8 @@ class OrbitPoint(SpecialPoint):
 
     state: the orbit's at phase 0; eigenvalues: log mu as `Orbit.exponents`; angle: argument of the critical pair of
     multipliers at ns (rad); coefficient: normal-form coefficient, whose sign says super- (negative) or subcritical;
-    direction (N m + 1, n): the critical disturbance, which leads onto the other branch at pd and bp.
+    direction: the critical disturbance, which leads onto the other branch at pd and bp, as one vector: profile at all
+    nodes, period, parameter.
     """
 
     orbit: Orbit = None  # type: ignore[assignment]  # always given

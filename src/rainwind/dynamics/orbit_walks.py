@@ -104,6 +104,8 @@ def walked(route: Route, start: OrbitNode) -> Half:
         if not isinstance(error.__cause__, KeyboardInterrupt):
             raise
         ended = Ended.INTERRUPTED
+    if walk.ended is Ended.STEP_TOO_SMALL and ended is None and orbits and _coarse(problem, orbits[-1]):
+        ended = Ended.MESH_AT_LIMIT
     found, gaps = route.inspector.read(nodes)
     labelled = [monitor for monitor in route.monitors if monitor.at_zero == "label"]
     if labelled:
@@ -132,6 +134,11 @@ def _label(problem: OrbitEquations, event: Event) -> OrbitPoint:
         "event", problem.system.states, orbit.profile[0], orbit.parameters, problem.along, orbit.exponents,
         event.node.arclength, event.certificate(orbit.residual), note=event.monitor.name, orbit=orbit,
     )  # fmt: skip
+
+
+def _coarse(problem: OrbitEquations, orbit: Orbit) -> bool:
+    """Whether the mesh is as fine as allowed and yet too coarse to go on."""
+    return len(orbit.grid.lengths) >= problem.mesh.most and orbit.mesh_error > 0.1 * USELESS
 
 
 def _unusable(problem: OrbitEquations, orbit: Orbit) -> Ended | None:
@@ -225,15 +232,20 @@ def product(problem: OrbitEquations, x: np.ndarray, y: np.ndarray) -> float:
     return float(problem.grid.quadrature @ np.sum(x * y / problem.units**2, axis=1))
 
 
-def through_start(problem: OrbitEquations, a: OrbitNode, b: OrbitNode, start: OrbitNode) -> bool:
+def back_at_start(problem: OrbitEquations, a: OrbitNode, b: OrbitNode, start: OrbitNode) -> Ended | None:
+    """Whether the walk passes its start between a and b: CLOSED in the start's direction, else REVISITED."""
+    if not _passes(problem, a, b, start):
+        return None
+    rates = [problem.on(node.grid).tangent_parameters(node) for node in (start, b)]
+    return Ended.CLOSED if float(rates[0] @ rates[1]) >= 0.0 else Ended.REVISITED
+
+
+def _passes(problem: OrbitEquations, a: OrbitNode, b: OrbitNode, start: OrbitNode) -> bool:
     """Whether the walk passes its start between a and b: by quantities that no shift along the orbit changes.
 
     A point between a and b is looked at where the start may lie off their chord only because the curve bends.
     """
     v0 = _invariants(problem.on(start.grid), start)
-    rates = [problem.on(node.grid).tangent_parameters(node) for node in (start, b)]
-    if float(rates[0] @ rates[1]) < 0.0:
-        return False
     here = problem.on(b.grid)
     first: Any = replace(a, u=on_grid_of(problem, a, b), tangent=b.tangent, grid=b.grid)
     last: Any = b

@@ -19,13 +19,13 @@ from rainwind.dynamics.orbit_results import Orbit, OrbitBranch, OrbitPoint
 from rainwind.dynamics.orbit_walks import (
     Progress,
     Route,
+    back_at_start,
     both_ways,
     check_mesh,
     joined,
     on_grid_of,
     product,
     swing_turned,
-    through_start,
     walked,
 )
 from rainwind.dynamics.results import Ended, SpecialPoint
@@ -98,9 +98,7 @@ def _passed(
         halves = [_half_period_difference(here, here.profile(u)) for u in (on_grid_of(problem, a, b), b.u)]
         if product(here, *halves) < 0:
             return Ended.REVISITED, []
-    if beginning.kind == "orbit" and count >= 3 and through_start(problem, a, b, start):
-        return Ended.CLOSED, []
-    return None, []
+    return (back_at_start(problem, a, b, start) if beginning.kind == "orbit" and count >= 3 else None), []
 
 
 def _half_period_difference(problem: OrbitEquations, x: np.ndarray) -> np.ndarray:
@@ -168,7 +166,9 @@ def _start(
     problem = OrbitEquations(system, (along,), grid, units, period, np.array([unit]), mesh)
     u = np.concatenate([x.ravel(), [period, value]])
     switched = point if kind in ("pd", "bp") else None
-    node = _beside(problem, u, _direction(problem, switched, kind), ds) if switched else first_node(problem, u)
+    node = (
+        _beside(problem, u, _direction(problem, switched, kind), ds) if switched else first_node(problem, u)
+    )
     if node is None or (switched is None and not low - unit < node.u[-1] < high + unit):
         raise ComputationError(
             f"Newton does not find an orbit from the start at {along} = {value:g}; give a nearer one, or a finer mesh"

@@ -157,7 +157,7 @@ class Unexplained:
 
     def __str__(self) -> str:
         what = (
-            f"the number of unstable eigenvalues changes by {self.change:+d}"
+            f"the number of unstable eigenvalues (multipliers of orbits) changes by {self.change:+d}"
             if self.change
             else "a test value changes sign or touches zero"
         )
