@@ -10,7 +10,7 @@ from pathlib import Path
 
 from tests.validation.auto.auto_runner import auto_directory, auto_version
 
-from benchmarks import goals, linear
+from benchmarks import goals, linear, orbits
 
 RESULTS = Path(__file__).parent / "results"
 
@@ -44,21 +44,28 @@ def main() -> None:
     if auto_directory() is None:
         print("AUTO-07p is not installed (Debian: auto-07p and gfortran): no comparison with it")
     else:
-        result["against_auto"] = linear.against_auto(arguments.repeats)
+        rows = linear.against_auto(arguments.repeats)
+        # orbits take a hundred times as long: fewer repeats
+        rows += orbits.against_auto(max(3, arguments.repeats // 4))
+        result["against_auto"] = rows
         print(
             f"{'run':16}{'points':>12}{'AUTO ms':>10}{'silent ms':>11}{'ours ms':>9}{'ratio':>8}{'silent':>8}"
         )
-        for row in result["against_auto"]:
+        for row in rows:
             points = f"{row['points_auto']}/{row['points_ours']}"
             times = f"{row['ms_auto']:10.2f}{row['ms_auto_silent']:11.2f}{row['ms_ours']:9.2f}"
             print(f"{row['run']:16}{points:>12}{times}{row['ratio']:8.2f}{row['ratio_silent']:8.2f}")
+    result["orbits_by_mesh"] = orbits.scaling()
+    for row in result["orbits_by_mesh"]:
+        print(f"{row['intervals']:5d} mesh intervals: {row['ms_an_orbit']:.3f} ms an orbit")
     result["goals"] = goals.measure()
     for row in result["goals"]:
         print(f"{row['what']:40} {row['median_s']:.4g} s (goal {row['goal_s']:g} s)")
     if not arguments.no_json:
         RESULTS.mkdir(exist_ok=True)
-        path = RESULTS / f"linear-{result['date']}.json"
+        path = RESULTS / f"benchmark-{result['date']}.json"
         path.write_text(json.dumps(result, indent=1) + "\n")
+        orbits.draw_scaling(result["orbits_by_mesh"], RESULTS / "orbits_by_mesh.svg")
         print(f"kept in {path.name}")
 
 

@@ -1,4 +1,4 @@
-"""rainwind against AUTO-07p, in one run: a branch of limit cycles with all labels, and two curves of its special points.
+"""rainwind against AUTO-07p, in one run: a branch of limit cycles with all labels, and two curves of special points.
 
 Both do the same work on the sample case (raw polynomials) with 60 mesh intervals of degree 4: all cycles born at the
 Hopf point on D at xi = 0.2 %, round both folds to the Hopf point on C; then 200 points of the curve of folds of cycles
@@ -16,6 +16,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 from tests.validation.auto.auto_runner import Auto
 from tests.validation.auto.sample_case import (
     EQUATIONS,
@@ -77,12 +78,16 @@ def against_auto(repeats: int = 5) -> list[dict[str, Any]]:
         return rows
 
 
-def _ours() -> dict[str, Callable[[], rw.OrbitBranch]]:
+def _hopf_on_d() -> tuple[rw.RivuletModel, rw.SpecialPoint]:
     model = rw.paper_model(outside="extend")
     at_9 = rw.find_equilibria(model.with_parameters({_SPEED: 9.0}))
     on_d = min(at_9, key=lambda e: abs(np.degrees(e["phi"]) - 45.0))
     equilibria = rw.continue_equilibria(model, _SPEED, start=on_d, until=_WINDOW[_SPEED])
-    hopf = max(equilibria.points("hopf"), key=lambda p: p.parameter)
+    return model, max(equilibria.points("hopf"), key=lambda p: p.parameter)
+
+
+def _ours() -> dict[str, Callable[[], rw.OrbitBranch]]:
+    model, hopf = _hopf_on_d()
     both = (_SPEED, _DAMPING)
 
     def cycles() -> rw.OrbitBranch:
@@ -98,21 +103,33 @@ def _ours() -> dict[str, Callable[[], rw.OrbitBranch]]:
     }
 
 
-def scaling(intervals: tuple[int, ...] = (15, 30, 60, 120, 240), repeats: int = 5) -> list[dict[str, float]]:
+def scaling(intervals: tuple[int, ...] = (15, 30, 60, 120, 240), repeats: int = 5) -> list[dict[str, Any]]:
     """Milliseconds an orbit of the cycle branch, by number of mesh intervals: the cost should grow in proportion."""
-    model = rw.paper_model(outside="extend")
-    at_9 = rw.find_equilibria(model.with_parameters({_SPEED: 9.0}))
-    on_d = min(at_9, key=lambda e: abs(np.degrees(e["phi"]) - 45.0))
-    equilibria = rw.continue_equilibria(model, _SPEED, start=on_d, until=_WINDOW[_SPEED])
-    hopf = max(equilibria.points("hopf"), key=lambda p: p.parameter)
+    model, hopf = _hopf_on_d()
     rows = []
     for many in intervals:
         times = []
-        for _ in range(repeats):
+        for _ in range(repeats + 1):
             begin = perf_counter()
             found = rw.continue_orbits(
                 model, _SPEED, start=hopf, until=(11.0, 15.0), mesh=rw.Mesh(many, 4, many), limit=60
             )
             times.append(1e3 * (perf_counter() - begin) / len(found))
-        rows.append({"intervals": many, "ms_an_orbit": median(times)})
+        rows.append({"intervals": many, "ms_an_orbit": median(times[1:])})
     return rows
+
+
+def draw_scaling(rows: list[dict[str, Any]], path: Path) -> None:
+    """The cost of an orbit over the number of mesh intervals, with a straight line through the origin's offset."""
+    many = np.array([row["intervals"] for row in rows])
+    cost = np.array([row["ms_an_orbit"] for row in rows])
+    slope, offset = np.polyfit(many, cost, 1)
+    figure = Figure(figsize=(4.5, 3.2), layout="constrained")
+    axes = figure.subplots()
+    axes.plot(
+        many, slope * many + offset, color="0.6", label=f"{offset:.2f} ms + {1e3 * slope:.1f} us an interval"
+    )
+    axes.plot(many, cost, "ko", label="measured (median)")
+    axes.set(xlabel="mesh intervals (degree 4)", ylabel="time an orbit (ms)", xlim=(0, None), ylim=(0, None))
+    axes.legend(frameon=False)
+    figure.savefig(path)
