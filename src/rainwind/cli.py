@@ -142,7 +142,7 @@ def paper(
 ) -> None:
     """Reproduce the figures and numbers of Peil & Nahrath (2003)."""
     make_folder(out)
-    announce_compilation()
+    announce_compilation(orbits=True)
     run = import_module("rainwind.studies.paper_run").run
     try:
         with progress_bar() as bar, stopping_between_steps():
@@ -207,7 +207,7 @@ def diagram(
     study = import_module("rainwind.studies.full_diagram")
     window = study.window_from_text(along, until) if until else None
     make_folder(out.parent)
-    announce_compilation()
+    announce_compilation(orbits=True)
     with progress_bar() as bar, stopping_between_steps():
         task = bar.add_task("starting", total=None)
 
@@ -342,7 +342,7 @@ def _speed(text: str) -> float:
 
 def _draw(study: str, model: Any, out: Path) -> None:
     make_folder(out.parent)
-    announce_compilation()
+    announce_compilation(orbits=study.startswith(("figure_07", "figure_09")))
     save_figure = import_module("rainwind.studies.paper_run").save_figure
     with unfinished(out) as part:
         sentences = save_figure(study, part, model=model)

@@ -17,12 +17,14 @@ if TYPE_CHECKING:
 INSIDE, OUTSIDE = "inside", "outside"
 
 
-def announce_compilation() -> None:
-    """Say so before a minute of silence: the kernels are compiled on first use and then kept."""
-    from rainwind.dynamics.kernels.compiling import are_compiled
+def announce_compilation(*, orbits: bool = False) -> None:
+    """Say so before minutes of silence: the kernels are compiled on first use and then kept."""
+    from rainwind.dynamics.kernels.compiling import are_compiled, folder
 
-    if not are_compiled():
-        typer.echo("compiling the numerical kernels, once for this installation (about a minute)", err=True)
+    orbits = orbits and not any(folder("orbit_newton").rglob("orbit_newton.correct*.nbi"))
+    if orbits or not are_compiled():
+        wait = "one to three minutes" if orbits else "about a minute"
+        typer.echo(f"compiling the numerical kernels, once for this installation ({wait})", err=True)
 
 
 def image_path(path: Path) -> Path:
