@@ -140,7 +140,7 @@ def test_the_sign_follows_the_determinant(sizes):
 def test_the_reduced_chain_holds_for_every_solution_of_the_chain(sizes):
     problem = Problem(*sizes)
     n, c, many = problem.n, problem.c, problem.many
-    ends, tops, reflections, sign = chain.reduce_chain(problem.steps, n)
+    ends, tops, elimination, sign = chain.reduce_chain(problem.steps, n)
     rng = np.random.default_rng(4)
     lam = rng.normal(size=c)
     x = [rng.normal(size=n)]
@@ -153,7 +153,9 @@ def test_the_reduced_chain_holds_for_every_solution_of_the_chain(sizes):
     first, last = (np.ascontiguousarray(v[:, None]) for v in (x[0], x[-1]))
     between = chain.mesh_points(tops, np.ascontiguousarray(right[:, :, None]), first, last, lam[:, None])
     np.testing.assert_allclose(between[:, :, 0], x, atol=1e-8 * np.abs(x).max())
-    assert reflections.shape == (many - 1, n, 2 * n)
+    factors, orders = elimination
+    assert factors.shape == (many - 1, 2 * n, n)
+    assert orders.shape == (many - 1, 2 * n)
     # the chain's rows, seen as equations for x_1 ... x_N, have the determinant 1
     assert sign == np.linalg.slogdet(q)[0]
 
@@ -163,9 +165,9 @@ def test_multipliers_of_the_chain_s_rows_are_the_adjoint_of_its_reduction(sizes)
     """What the ends' rows say, weighted, the chain's rows say with the multipliers found; all else cancels."""
     problem = Problem(*sizes)
     n, many = problem.n, problem.many
-    ends, _, reflections, _ = chain.reduce_chain(problem.steps, n)
+    ends, _, elimination, _ = chain.reduce_chain(problem.steps, n)
     weights = np.random.default_rng(5).normal(size=(n, 2))
-    found = chain.multipliers_of_rows(reflections, weights)
+    found = chain.multipliers_of_rows(elimination, weights)
     rows = np.zeros((many * n, (many + 1) * n))
     for j in range(many):
         rows[j * n : (j + 1) * n, j * n : (j + 1) * n] = -problem.steps[j, -n:, :n]
@@ -195,6 +197,16 @@ def test_the_chain_survives_growth_and_decay_that_a_product_loses():
     fixed = skew @ (1.0 / (1.0 - rates))
     np.testing.assert_allclose(x[:, :, 0], np.tile(fixed, (many + 1, 1)), rtol=1e-7)
     assert lam == pytest.approx(0.0)
+
+
+def test_a_chain_that_is_not_a_number_has_no_sign_and_reaches_no_foreign_memory():
+    """Newton's iterates may be anything; the orders of a reduction that ended early are used as row numbers."""
+    steps = np.full((5, 4, 4), np.nan)
+    ends, _, elimination, sign = chain.reduce_chain(steps, 2)
+    assert sign == 0.0
+    assert np.all(np.isnan(ends))
+    assert np.all((elimination[1] >= 0) & (elimination[1] < 4))
+    assert chain.multipliers_of_rows(elimination, np.ones((2, 1))).shape == (5, 2, 1)
 
 
 def test_a_singular_interval_gives_no_sign():

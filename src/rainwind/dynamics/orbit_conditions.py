@@ -54,7 +54,7 @@ class Condition:
     rest: Any
     nu: Any
     zeta: Any
-    reduced: tuple[np.ndarray, np.ndarray, np.ndarray]  # ends, tops, reflections
+    reduced: tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray]]  # ends, tops, elimination
 
     @property
     def values(self) -> np.ndarray:
@@ -81,7 +81,7 @@ def condition(
 ) -> Condition:
     """The scalars of one kind at u, where `at` is the linearisation there."""
     n, extra = problem.n, EXTRA[kind]
-    ends, tops, reflections, _ = chain.reduce_chain(at.steps, n)
+    ends, tops, elimination, _ = chain.reduce_chain(at.steps, n)
     z = multiplier_of(kind, angle)
     rows = borders.below.shape[0]
     point = 1 if extra else 0
@@ -104,7 +104,7 @@ def condition(
     adjoint = np.linalg.solve(a.T, last)
     return Condition(
         kind, solution[-1], z, solution[:n], solution[n : 2 * n], solution[2 * n : 2 * n + extra],
-        adjoint[n : 2 * n], adjoint[:n], (ends, tops, reflections),
+        adjoint[n : 2 * n], adjoint[:n], (ends, tops, elimination),
     )  # fmt: skip
 
 
@@ -156,10 +156,10 @@ def null_profile(at: Linearised, found: Condition, column: int = 0) -> np.ndarra
 
 def adjoint(at: Linearised, found: Condition) -> np.ndarray:
     """The multipliers psi of all collocation rows (N, m n, 1), or their real and imaginary parts (N, m n, 2)."""
-    _, _, reflections = found.reduced
+    _, _, elimination = found.reduced
     n = found.first.shape[0]
     ends = np.ascontiguousarray(_real(found.zeta).T)
-    mu = chain.multipliers_of_rows(reflections, ends)
+    mu = chain.multipliers_of_rows(elimination, ends)
     right = np.zeros((*at.steps.shape[:2], mu.shape[2]))
     right[:, -n:] = mu
     return kernel.solve_inside_transposed(at.factors, at.orders, right)

@@ -44,8 +44,6 @@ def correct(tape, inputs, free, rule, h, u, tangent, scale, units, tolerance, li
             corner[1, k - size] = tangent[k] / scale[k]
     rows[0] = reference_row(rule, h, u[:size], tangent * scale, scale, units)
     phase = np.dot(rows[0], u[:size])
-    right = np.zeros((2, 2))
-    right[1, 1] = 1.0
     x = u[:size].reshape((-1, n))  # follows u
     before = np.inf
     change = np.inf
@@ -56,6 +54,8 @@ def correct(tape, inputs, free, rule, h, u, tangent, scale, units, tolerance, li
         here = 0.0
         for k in range(u.size):
             here += tangent[k] / scale[k] * u[k]
+        right = np.zeros((2, 2 if last else 1))
+        right[1, -1] = 1.0  # the tangent
         right[0, 0], right[1, 0] = phase - np.dot(rows[0], u[:size]), target - here
         if iteration > 0:
             fresh = last or iteration > 2 or change > _CHORD
@@ -75,7 +75,7 @@ def correct(tape, inputs, free, rule, h, u, tangent, scale, units, tolerance, li
         else:
             profile, rest = solve_periodic_again(steps, rows, reduced, right)
         before, change = change, 0.0
-        flat = profile.reshape((size, 2))
+        flat = profile.reshape((size, right.shape[1]))
         for k in range(u.size):
             step = flat[k, 0] if k < size else rest[k - size, 0]
             u[k] += step
