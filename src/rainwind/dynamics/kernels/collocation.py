@@ -84,6 +84,7 @@ def eliminate(a):
     Four columns are eliminated before the rest of the rows is touched: memory traffic costs more than arithmetic.
     """
     k, width = a.shape
+    # columns are counted without sign: an index that might be negative keeps the compiler from vector instructions
     order = np.arange(k)
     sign = 1.0
     for j in range(0, k, 4):
@@ -99,7 +100,7 @@ def eliminate(a):
             if pivot != col:
                 sign = -sign
                 order[col], order[pivot] = order[pivot], order[col]
-                for c in range(width):
+                for c in range(np.uint64(width)):
                     a[col, c], a[pivot, c] = a[pivot, c], a[col, c]
             if a[col, col] < 0.0:
                 sign = -sign
@@ -112,27 +113,27 @@ def eliminate(a):
         for row in range(j + 1, end):
             for i in range(j, row):
                 factor = a[row, i]
-                for c in range(end, width):
+                for c in range(np.uint64(end), np.uint64(width)):
                     a[row, c] -= factor * a[i, c]
         if end < k:
             for i in range(end, k):
                 f0, f1, f2, f3 = a[i, j], a[i, j + 1], a[i, j + 2], a[i, j + 3]
-                for c in range(end, width):
+                for c in range(np.uint64(end), np.uint64(width)):
                     a[i, c] -= (f0 * a[j, c] + f1 * a[j + 1, c]) + (f2 * a[j + 2, c] + f3 * a[j + 3, c])
     for j in range(k - 1, -1, -1):
         i = j + 1
         while i + 3 < k:
             f0, f1, f2, f3 = a[j, i], a[j, i + 1], a[j, i + 2], a[j, i + 3]
-            for c in range(k, width):
+            for c in range(np.uint64(k), np.uint64(width)):
                 a[j, c] -= (f0 * a[i, c] + f1 * a[i + 1, c]) + (f2 * a[i + 2, c] + f3 * a[i + 3, c])
             i += 4
         while i < k:
             factor = a[j, i]
-            for c in range(k, width):
+            for c in range(np.uint64(k), np.uint64(width)):
                 a[j, c] -= factor * a[i, c]
             i += 1
         inverse = 1.0 / a[j, j]
-        for c in range(k, width):
+        for c in range(np.uint64(k), np.uint64(width)):
             a[j, c] *= inverse
     return order, sign
 
