@@ -30,6 +30,7 @@ from tests.validation.auto.sample_case import (
 )
 
 import rainwind as rw
+from benchmarks.side_by_side import side_by_side
 
 _SPEED, _DAMPING = "wind.speed", "section.damping_ratio"
 _WINDOW = {_SPEED: (4.0, 25.0), _DAMPING: (1e-4, 0.01)}
@@ -50,32 +51,7 @@ def against_auto(repeats: int = 5) -> list[dict[str, Any]]:
             "folds of cycles": (LPC_CURVE, lpc, ours["lpc"]),
             "Neimark-Sacker": (NS_CURVE, ns, ours["ns"]),
         }
-        rows = []
-        for name, (constants, start, call) in runs.items():
-            call()
-            times: dict[str, list[float]] = {"auto": [], "silent": [], "ours": []}
-            for _ in range(repeats):
-                auto_run = auto.time(constants, start, repeats=1)
-                times["auto"].append(auto_run.wall_median)
-                times["silent"].append(auto.time(constants | {"IID": 0}, start, repeats=1).wall_median)
-                begin = perf_counter()
-                found = call()
-                times["ours"].append(perf_counter() - begin)
-            milliseconds = {key: 1e3 * median(values) for key, values in times.items()}
-            rows.append(
-                {
-                    "run": name,
-                    "points_auto": auto_run.points,
-                    "points_ours": len(found),
-                    "labels_ours": [point.kind for point in found.points()],
-                    "ms_auto": milliseconds["auto"],
-                    "ms_auto_silent": milliseconds["silent"],
-                    "ms_ours": milliseconds["ours"],
-                    "ratio": milliseconds["ours"] / milliseconds["auto"],
-                    "ratio_silent": milliseconds["ours"] / milliseconds["silent"],
-                }
-            )
-        return rows
+        return side_by_side(auto, runs, repeats)
 
 
 def _hopf_on_d() -> tuple[rw.RivuletModel, rw.SpecialPoint]:

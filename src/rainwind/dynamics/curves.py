@@ -70,16 +70,7 @@ def _curve(
 ) -> Branch:
     check_steps(ds, limit)
     check_states(system, start)
-    along = (along,) if isinstance(along, str) else tuple(along)
-    window = windows_of(system, along, until)
-    known = {name: value for name, value in start.parameters.items() if name in system.parameters}
-    system = system.with_parameters(known)
-    for name, (low, high) in zip(along, window, strict=True):
-        if not low <= system.parameters[name] <= high:
-            raise InputError(
-                f"start: {name} = {system.parameters[name]:g} lies outside until = ({low:g}, {high:g}); "
-                "move one of them"
-            )
+    system, along, window = at_start(system, along, start, until)
     n = len(system.states)
     scale = np.append(state_scale(start.state), [(high - low) / 20.0 for low, high in window])
     jacobian = system.jacobian(start.state)
@@ -111,6 +102,23 @@ def _curve(
     inspector = (fold_curve_inspector if kind == "fold" else hopf_curve_inspector)(problem)
     numbered = {n + k: bounds for k, bounds in enumerate(window)}
     return follow(kind, problem, node, numbered, inspector, ds=ds, limit=limit, monitors=monitors)
+
+
+def at_start(
+    system: System, along: Sequence[str], start: SpecialPoint, until: Mapping[str, tuple[float, float]]
+) -> tuple[System, tuple[str, ...], list[tuple[float, float]]]:
+    """The system at the start's parameters, the free ones' names and windows. Raises InputError."""
+    along = (along,) if isinstance(along, str) else tuple(along)
+    windows = windows_of(system, along, until)
+    known = {name: value for name, value in start.parameters.items() if name in system.parameters}
+    system = system.with_parameters(known)
+    for name, (low, high) in zip(along, windows, strict=True):
+        if not low <= system.parameters[name] <= high:
+            raise InputError(
+                f"start: {name} = {system.parameters[name]:g} lies outside until = ({low:g}, {high:g}); "
+                "move one of them"
+            )
+    return system, along, windows
 
 
 def windows_of(

@@ -1,6 +1,7 @@
 """A system's equations for equilibria, folds, Hopf points and branch points, ready for the compiled walk."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +13,17 @@ from rainwind.dynamics.nodes import Borders, Node, Nodes
 from rainwind.dynamics.system import System
 
 _NEWTON_LIMIT = 10
+
+
+def packed(system: System, along: tuple[str, ...]) -> tuple[Any, np.ndarray, np.ndarray]:
+    """What the kernels take: the tape for these free parameters, all inputs (i,), the free ones' numbers (q,)."""
+    free = np.array([system.number(name) for name in along], dtype=np.int64)
+    inputs = system.inputs(np.zeros(len(system.states)))
+    varies = np.zeros(inputs.size, dtype=bool)
+    varies[: len(system.states)] = True
+    varies[free] = True
+    operations, template, outputs = system.tape.arrays
+    return (*specialised(operations, template, inputs, varies), outputs), inputs, free
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,15 +38,7 @@ class Equations:
     _packed: tuple = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        system = self.system
-        free = np.array([system.number(name) for name in self.along], dtype=np.int64)
-        inputs = system.inputs(np.zeros(len(system.states)))
-        varies = np.zeros(inputs.size, dtype=bool)
-        varies[: len(system.states)] = True
-        varies[free] = True
-        operations, template, outputs = system.tape.arrays
-        tape = (*specialised(operations, template, inputs, varies), outputs)
-        object.__setattr__(self, "_packed", (self.kind, tape, inputs, free))
+        object.__setattr__(self, "_packed", (self.kind, *packed(self.system, self.along)))
 
     def no_borders(self) -> Borders:
         """Borders of equations that need none."""

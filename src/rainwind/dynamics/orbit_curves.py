@@ -9,7 +9,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from rainwind.dynamics.branches import check_states, check_steps
 from rainwind.dynamics.collocation import Grid, Mesh
-from rainwind.dynamics.curves import windows_of
+from rainwind.dynamics.curves import at_start
 from rainwind.dynamics.monitors import Monitor, checked
 from rainwind.dynamics.newton import solve_equilibrium, spectrum
 from rainwind.dynamics.nodes import Node
@@ -117,16 +117,7 @@ def _curve(
     check_steps(ds, limit)
     check_mesh(mesh)
     check_states(system, start)
-    along = (along,) if isinstance(along, str) else tuple(along)
-    bounds = windows_of(system, along, until)
-    known = {name: value for name, value in start.parameters.items() if name in system.parameters}
-    system = system.with_parameters(known)
-    for name, (low, high) in zip(along, bounds, strict=True):
-        if not low <= system.parameters[name] <= high:
-            raise InputError(
-                f"start: {name} = {system.parameters[name]:g} lies outside until = ({low:g}, {high:g}); "
-                "move one of them"
-            )
+    system, along, bounds = at_start(system, along, start, until)
     problem, node = _first(kind, system, along, start, bounds, mesh)
 
     def passed(a: Any, b: Any, count: int) -> tuple[Ended | None, list[Any]]:

@@ -7,12 +7,13 @@ import numpy as np
 
 from rainwind.dynamics import sparse_collocation as sparse
 from rainwind.dynamics.collocation import Grid, Linearised, Mesh
+from rainwind.dynamics.equations import packed
 from rainwind.dynamics.floquet import by_orthogonal_iteration, log_of_defect
 from rainwind.dynamics.kernels import chain
 from rainwind.dynamics.kernels import collocation as kernel
 from rainwind.dynamics.kernels import orbit_newton as newton
 from rainwind.dynamics.kernels.periodic_schur import log_multipliers
-from rainwind.dynamics.kernels.values import specialised, values
+from rainwind.dynamics.kernels.values import values
 from rainwind.dynamics.nodes import Node
 from rainwind.dynamics.orbit_results import Orbit, error_of
 from rainwind.dynamics.system import System
@@ -65,15 +66,7 @@ class OrbitEquations:
         object.__setattr__(self, "scale", np.concatenate([profile, *rest]))
         if self.tape:  # a copy on another grid
             return
-        system = self.system
-        free = np.array([system.number(name) for name in self.along], dtype=np.int64)
-        inputs = system.inputs(np.zeros(len(system.states)))
-        varies = np.zeros(inputs.size, dtype=bool)
-        varies[: len(system.states)] = True
-        varies[free] = True
-        operations, template, outputs = system.tape.arrays
-        tape = (*specialised(operations, template, inputs, varies), outputs)
-        object.__setattr__(self, "tape", (tape, inputs, free))
+        object.__setattr__(self, "tape", packed(self.system, self.along))
 
     @property
     def extras(self) -> int:
