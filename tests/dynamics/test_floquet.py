@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from rainwind.dynamics import floquet
+from rainwind.dynamics.kernels.exponents import matched
 from rainwind.dynamics.kernels.periodic_schur import log_multipliers
 
 
@@ -29,4 +30,4 @@ def test_exponents_keep_their_places_round_the_circle():
     """A pair just short of -1 follows two multipliers just past it, whatever the sign of their angle."""
     before = np.array([0.1 + np.pi * 1j, -0.2 + 3.1j, -0.2 - 3.1j])
     after = np.array([-0.21 - 3.13j, 0.11 - 3.14159j, -0.21 + 3.13j])
-    assert list(floquet.matched(before, after)) == [after[1], after[2], after[0]]
+    assert list(matched(before, after)) == [after[1], after[2], after[0]]

@@ -113,7 +113,9 @@ def test_the_lpc_curve_of_bautin_ends_at_the_generalised_hopf_point():
         assert curve["x"] == pytest.approx(np.sqrt(curve["b2"] / 2), abs=1e-6)
         assert curve["b2"].min() < 0.1
         (point,) = curve.points()
-        assert point.kind == "gh" and "extrapolated" in point.note and point.certificate.holds
+        assert point.kind == "gh"
+        assert "extrapolated" in point.note
+        assert point.certificate.holds
         assert [point["b1"], point["b2"]] == pytest.approx([0.0, 0.0], abs=1e-6)
 
 

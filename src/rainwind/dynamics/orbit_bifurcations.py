@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rainwind.dynamics import floquet
 from rainwind.dynamics.collocation import Grid
 from rainwind.dynamics.continuation import zero_between
 from rainwind.dynamics.inspection import Changes, Inspector, Probe, pace
 from rainwind.dynamics.kernels import chain
 from rainwind.dynamics.kernels import collocation as kernel
+from rainwind.dynamics.kernels.exponents import matched
 from rainwind.dynamics.kernels.screening import hasty
 from rainwind.dynamics.orbit_conditions import (
     Condition,
@@ -51,7 +51,7 @@ class OrbitInspector(Inspector):
 
     def in_order(self, before: Complex, after: Complex) -> Complex:
         """Exponents in the order of those before."""
-        return floquet.matched(before, after)
+        return matched(before, after)
 
     def sorted_changes(self, changes: Changes, a: Probe, b: Probe) -> Changes:
         """Crossings of two negative multipliers are apart from those of a complex pair."""
@@ -167,7 +167,7 @@ def _locate(problem: OrbitEquations, kind: str, a: Probe, b: Probe, changes: Cha
     def value(node: OrbitNode) -> float:
         if kind == "lpc" or column is None:
             return float(node.tests[0])
-        return float(floquet.matched(a.watched, near_circle(node.eigenvalues))[column].real)
+        return float(matched(a.watched, near_circle(node.eigenvalues))[column].real)
 
     node = zero_between(problem, a.node, b.node, value)
     return None if node is None else describe(problem, kind, node, value(node))

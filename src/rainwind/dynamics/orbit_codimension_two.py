@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from rainwind.dynamics import floquet
 from rainwind.dynamics.continuation import zero_between
 from rainwind.dynamics.inspection import Changes, Probe
+from rainwind.dynamics.kernels.exponents import matched
 from rainwind.dynamics.orbit_bifurcations import Complex, OrbitInspector, near_circle
 from rainwind.dynamics.orbit_curve_equations import OrbitCurveEquations, OrbitCurveNode
 from rainwind.dynamics.orbit_normal_forms import near_resonance, ns_coefficient, pd_coefficient
@@ -91,7 +91,7 @@ def _locate(
     def value(node: OrbitCurveNode) -> float:
         if column is None:
             return float(node.tests[0 if kind == "cpc" else 1])
-        return float(floquet.matched(a.watched, free_exponents(problem, node))[column].real)
+        return float(matched(a.watched, free_exponents(problem, node))[column].real)
 
     node = zero_between(problem, a.node, b.node, value)
     if node is None:

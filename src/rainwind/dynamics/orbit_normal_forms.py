@@ -259,12 +259,12 @@ def _solved(matrix: sparse.csc_array, right: np.ndarray) -> np.ndarray:
 def _null_vectors(matrix: sparse.csc_array) -> tuple[np.ndarray, np.ndarray, float]:
     """Right and left null vectors (k,), of length 1, of a matrix of rank k - 1; |border scalar|: 0 if they are that.
 
-    M v + p g = 0, q* v = 1 and the adjoint equations (Govaerts 2000, sec. 3.2), the borders turned to the answer twice.
+    M v + p g = 0, q* v = 1 and the adjoint equations (Govaerts 2000, sec. 3.2), the borders turned to the answer once.
     """
     k = matrix.indptr.size - 1
     p, q = (np.random.default_rng(seed).normal(size=k) for seed in (0, 1))
     border, last = np.inf, np.append(np.zeros(k), 1.0)
-    for _ in range(3):
+    for _ in range(2):
         whole = bordered(matrix, p.reshape(-1, 1), q.conj().reshape(1, -1), [[0.0]])
         factors = factored(whole)
         if factors is None:

@@ -208,6 +208,9 @@ def joined(kind: str, route: Route, halves: list[Half], first: Ended, extra: lis
 def swing_turned(problem: OrbitEquations, a: OrbitNode, b: OrbitNode) -> bool:
     """Whether the orbit shrank to a point between two nodes and came out on the other side of it."""
     last = problem.on(b.grid)
+    x = last.profile(b.u)
+    if np.max(np.abs(x[len(x) // 3] - x[0]) / problem.units) > 10.0 * (b.arclength - a.arclength):
+        return False  # too large to have shrunk in this step
     swings = [
         x - last.grid.quadrature @ x for x in (last.profile(on_grid_of(problem, a, b)), last.profile(b.u))
     ]
