@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import toms748
 
 from rainwind.dynamics.equations import Equations, smallest_step
 from rainwind.dynamics.kernels import march as kernel
@@ -202,7 +202,7 @@ def zero_between(problem: Problem, a: Any, b: Any, value: Callable[[Any], float]
         return 0.0 if abs(found) < small else found  # else the bracket would be narrowed for nothing
 
     try:
-        return at(brentq(settled, 0.0, 1.0, xtol=1e-12, maxiter=60))  # type: ignore[arg-type]
+        return at(toms748(settled, 0.0, 1.0, xtol=1e-12, maxiter=60))  # type: ignore[arg-type]
     except (_Lost, RuntimeError, ValueError):
         return None
 
