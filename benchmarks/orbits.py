@@ -3,9 +3,10 @@
 Both do the same work on the sample case (raw polynomials) with 60 mesh intervals of degree 4: all cycles born at the
 Hopf point on D at xi = 0.2 %, round both folds to the Hopf point on C; then 200 points of the curve of folds of cycles
 and of the Neimark-Sacker curve in (U, xi). AUTO: its executable alone, start and files included, once as it comes and
-once silent (IID = 0, no diagnostics written); its Jacobians are exact. rainwind: the call in a warm process, its mesh
-of 60 intervals, which is never refined here. Tolerances alike (1e-7 for AUTO, 1e-9 here); steps such that the number of points is the same
-within 10 %, and the same labels are found. Runs alternate, so that both meet the same load.
+once silent (IID = 0, no diagnostics written); its Jacobians are exact. rainwind: the call in a warm process, with
+normal forms, certificates and Liouville's check, which AUTO has not; its mesh has 60 intervals and is never refined
+here. Tolerances alike (1e-7 for AUTO, 1e-9 here); steps such that the number of points is the same within 10 %, and
+the same labels are found. Runs alternate, so that both meet the same load.
 """
 
 import tempfile
