@@ -5,8 +5,9 @@ Hopf point on D at xi = 0.2 %, round both folds to the Hopf point on C; then 200
 and of the Neimark-Sacker curve in (U, xi). AUTO: its executable alone, start and files included, once as it comes and
 once silent (IID = 0, no diagnostics written); its Jacobians are exact. rainwind: the call in a warm process, with
 normal forms, certificates and Liouville's check, which AUTO has not; its mesh has 60 intervals and is never refined
-here. Tolerances alike (1e-7 for AUTO, 1e-9 here); steps such that the number of points is the same within 10 %, and
-the same labels are found. Runs alternate, so that both meet the same load.
+here. Tolerances alike (1e-7 for AUTO, 1e-9 here); on the branch the same bound of steps (0.037), on the curves such
+steps that the number of points is the same within 10 %; the same labels are found. Runs alternate, so that both meet
+the same load.
 """
 
 import tempfile
@@ -68,7 +69,7 @@ def _ours() -> dict[str, Callable[[], rw.OrbitBranch]]:
     both = (_SPEED, _DAMPING)
 
     def cycles() -> rw.OrbitBranch:
-        return rw.continue_orbits(model, _SPEED, start=hopf, until=_WINDOW[_SPEED], ds=0.0355, mesh=_MESH)
+        return rw.continue_orbits(model, _SPEED, start=hopf, until=_WINDOW[_SPEED], ds=0.037, mesh=_MESH)
 
     branch = cycles()
     lpc, ns = branch.points("lpc")[0], branch.points("ns")[0]

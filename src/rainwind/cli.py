@@ -25,13 +25,12 @@ from rainwind.cli_output import (
     range_remark,
 )
 from rainwind.cli_work import (
-    is_interrupt,
     raise_if_asked,
     run_aside,
     stopping_between_steps,
     unfinished,
 )
-from rainwind.errors import InputError, RainwindError
+from rainwind.errors import InputError, RainwindError, is_interrupt
 
 __all__ = ["app", "main"]
 

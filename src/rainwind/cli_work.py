@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-__all__ = ["is_interrupt", "raise_if_asked", "run_aside", "stopping_between_steps", "unfinished"]
+__all__ = ["raise_if_asked", "run_aside", "stopping_between_steps", "unfinished"]
 
 _INTERRUPTED = 130
 # threads other than the first get half a megabyte on some systems: too little for compiling
@@ -85,19 +85,6 @@ def unfinished(path: Path) -> Iterator[Path]:
         with suppress(OSError):
             part.unlink(missing_ok=True)
         _partial.discard(part)
-
-
-def is_interrupt(error: BaseException | None) -> bool:
-    """Whether Ctrl-C is behind it: compiled code passes it on as the cause of a SystemError."""
-    seen: set[int] = set()
-    while error is not None and id(error) not in seen:
-        if isinstance(error, KeyboardInterrupt):
-            return True
-        if not isinstance(error, SystemError):
-            return False
-        seen.add(id(error))
-        error = error.__cause__ or error.__context__
-    return False
 
 
 def _interrupted(*_: object) -> None:

@@ -22,3 +22,16 @@ class CaseError(InputError):
 
 class ComputationError(RainwindError, RuntimeError):
     """No result exists: not one point could be computed."""
+
+
+def is_interrupt(error: BaseException | None) -> bool:
+    """Whether Ctrl-C is behind it: compiled code passes it on as the cause of a SystemError."""
+    seen: set[int] = set()
+    while error is not None and id(error) not in seen:
+        if isinstance(error, KeyboardInterrupt):
+            return True
+        if not isinstance(error, SystemError):
+            return False
+        seen.add(id(error))
+        error = error.__cause__ or error.__context__
+    return False

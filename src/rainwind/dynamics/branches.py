@@ -19,7 +19,7 @@ from rainwind.dynamics.monitors import values as values_of
 from rainwind.dynamics.nodes import Node, Nodes
 from rainwind.dynamics.results import Branch, Ended, Equilibrium, SpecialPoint, Unexplained
 from rainwind.dynamics.system import System, number
-from rainwind.errors import InputError
+from rainwind.errors import InputError, is_interrupt
 
 
 def window_of(system: System, name: str, until: Sequence[float]) -> tuple[float, float]:
@@ -128,7 +128,7 @@ def _half(
         ended = Ended.INTERRUPTED
     except SystemError as error:
         # so numba reports a Ctrl-C that came while a kernel ran
-        if not isinstance(error.__cause__, KeyboardInterrupt):
+        if not is_interrupt(error):
             raise
         ended = Ended.INTERRUPTED
     everything = parts[0]

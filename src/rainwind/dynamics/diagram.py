@@ -15,7 +15,7 @@ from rainwind.dynamics.orbit_results import Orbit, OrbitBranch, OrbitPoint
 from rainwind.dynamics.orbits import continue_orbits
 from rainwind.dynamics.results import Branch, Ended, Equilibrium, SpecialPoint
 from rainwind.dynamics.system import System, as_system
-from rainwind.errors import ComputationError, InputError, RainwindError
+from rainwind.errors import ComputationError, InputError, RainwindError, is_interrupt
 from rainwind.parameters import unknown_name
 
 Progress = Callable[[int, int, str], None]
@@ -66,7 +66,7 @@ def diagram(
         interrupted = True
     except SystemError as error:
         # so numba reports a Ctrl-C that came while a kernel ran
-        if not isinstance(error.__cause__, KeyboardInterrupt):
+        if not is_interrupt(error):
             raise
         interrupted = True
     if not (work.branches or work.orbits or interrupted):

@@ -30,7 +30,7 @@ class OrbitNode(Node):
 
     eigenvalues (n - 1,): log mu of all multipliers but the trivial one; trivial: log of that one as computed;
     liouville: sum of all log|mu| less the integral of trace J; age: steps since the grid was last adapted; residual:
-    the largest defect.
+    the largest defect before Newton's last step.
     """
 
     grid: Grid = None  # type: ignore[assignment]  # always given

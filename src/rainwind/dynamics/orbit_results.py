@@ -21,7 +21,7 @@ class Orbit:
     profile (N m + 1, n): the states at all nodes of the grid; exponents (n - 1,): log mu of the nontrivial
     multipliers, largest first (real part log|mu|, imaginary part in (-pi, pi]); trivial: log of the multiplier that
     should be 1, as computed; liouville: sum of all log|mu| less the integral of trace J, which should vanish; residual:
-    largest |F| of the collocation equations.
+    largest |F| of the collocation equations, before Newton's last step.
     """
 
     states: tuple[str, ...]

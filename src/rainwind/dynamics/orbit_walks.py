@@ -15,7 +15,7 @@ from rainwind.dynamics.orbit_bifurcations import OrbitInspector
 from rainwind.dynamics.orbit_equations import USELESS, OrbitEquations, OrbitNode
 from rainwind.dynamics.orbit_results import Orbit, OrbitBranch, OrbitPoint
 from rainwind.dynamics.results import Ended, Unexplained
-from rainwind.errors import InputError
+from rainwind.errors import InputError, is_interrupt
 
 _LOOKS = 12
 _SAME = 1e-5  # in units: how near to its start a closed walk comes
@@ -101,7 +101,7 @@ def walked(route: Route, start: OrbitNode) -> Half:
         ended = Ended.INTERRUPTED
     except SystemError as error:
         # so numba reports a Ctrl-C that came while a kernel ran
-        if not isinstance(error.__cause__, KeyboardInterrupt):
+        if not is_interrupt(error):
             raise
         ended = Ended.INTERRUPTED
     if walk.ended is Ended.STEP_TOO_SMALL and ended is None and orbits and _coarse(problem, orbits[-1]):

@@ -45,11 +45,12 @@ def defects(tape, inputs, free, w, d, h, x, period, p):
     """The collocation equations F (N, m n): h (N,), x (N m + 1, n)."""
     operations, template, outputs = tape
     f = values(operations, template, outputs, gauss_inputs(inputs, free, w, x, p))
-    return _defects(d, h, x, period, f)
+    return residuals(d, h, x, period, f)
 
 
 @compiled
-def _defects(d, h, x, period, f):
+def residuals(d, h, x, period, f):
+    """`defects` (N, m n) from f at the Gauss points (N m, n)."""
     m, n = d.shape[0], x.shape[1]
     found = np.empty((h.size, m * n))
     for j in range(h.size):
@@ -152,7 +153,7 @@ def condense(w, d, h, x, period, f, by):
     steps = np.empty((many, size, width))
     factors = np.empty((many, size, size))
     orders = np.empty((many, size), dtype=np.int64)
-    defect = _defects(d, h, x, period, f)
+    defect = residuals(d, h, x, period, f)
     a = np.empty((size, size + width))
     sign = 1.0
     for j in range(many):

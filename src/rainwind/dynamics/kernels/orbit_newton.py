@@ -9,6 +9,7 @@ from rainwind.dynamics.kernels.collocation import (
     deflated,
     linearised,
     phase_row,
+    residuals,
     solve_inside_once,
 )
 from rainwind.dynamics.kernels.compiling import compiled
@@ -27,7 +28,7 @@ def correct(tape, inputs, free, rule, h, u, tangent, scale, units, tolerance, li
 
     rule: Gauss weights, values w and slopes d of the basis; h: lengths of the intervals; units (n,) of the states.
     Returns iterations (0: not converged; POOR: the linear algebra failed), u, tangent, sign of the determinant, log mu
-    without the trivial one, 1 - 1/mu of that one, the Liouville error and the largest defect.
+    without the trivial one, 1 - 1/mu of that one, the Liouville error and the largest defect before the last step.
     """
     weights, w, d = rule
     m, n, q = w.shape[0], units.size, free.size
@@ -48,7 +49,7 @@ def correct(tape, inputs, free, rule, h, u, tangent, scale, units, tolerance, li
     before = np.inf
     change = np.inf
     last = False
-    steps, factors, orders, sign, by = _matrix(tape, inputs, free, w, d, h, x, u, size)
+    steps, factors, orders, sign, by, residual = _matrix(tape, inputs, free, w, d, h, x, u, size)
     fresh = True
     for iteration in range(limit):
         here = 0.0
@@ -60,7 +61,7 @@ def correct(tape, inputs, free, rule, h, u, tangent, scale, units, tolerance, li
         if iteration > 0:
             fresh = last or iteration > 2 or change > _CHORD
             if fresh:
-                steps, factors, orders, sign, by = _matrix(tape, inputs, free, w, d, h, x, u, size)
+                steps, factors, orders, sign, by, residual = _matrix(tape, inputs, free, w, d, h, x, u, size)
             else:  # near the orbit the matrix of the step before does
                 defect = -defects(tape, inputs, free, w, d, h, x, u[size], u[size + 1 :])
                 inside = np.empty_like(defect)
@@ -93,7 +94,6 @@ def correct(tape, inputs, free, rule, h, u, tangent, scale, units, tolerance, li
             exponents, trivial, trace = _floquet(
                 tape, inputs, free, w, weights, h, x, u, size, steps, by, reduced
             )
-            residual = np.max(np.abs(defects(tape, inputs, free, w, d, h, x, u[size], u[size + 1 :])))
             return iteration, u, turned, sign * its, exponents, trivial, trace, residual
         # the error after this step, foretold from the sizes of two; one more step comes with the tangent
         last = change < tolerance or (iteration > 0 and change * (change / before) < 0.1 * tolerance)
@@ -122,7 +122,7 @@ def reference_row(rule, h, profile, direction, scale, units):
 def _matrix(tape, inputs, free, w, d, h, x, u, size):
     f, by = linearised(tape, inputs, free, w, x, u[size + 1 :])
     steps, factors, orders, sign = condense(w, d, h, x, u[size], f, by)
-    return steps, factors, orders, sign, by
+    return steps, factors, orders, sign, by, np.max(np.abs(residuals(d, h, x, u[size], f)))
 
 
 @compiled
