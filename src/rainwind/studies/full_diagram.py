@@ -58,7 +58,13 @@ def draw(result: Diagram, figure: Figure) -> Figure:
 
 def summary(result: Diagram) -> list[str]:
     """What is stable over which range, in sentences; then what the reader must know."""
-    sentences = [_sentence(result, piece) for piece in result.stable_ranges()]
+    # of what was not looked at nothing can be said
+    sentences = [] if result.interrupted else [_sentence(result, piece) for piece in result.stable_ranges()]
+    soft = [point for point in result.points("ns") if (getattr(point, "coefficient", None) or 0.0) < 0.0]
+    kind = kind_of(result.along)
+    for point in soft:
+        at = f"{point.parameter / _si(1.0, kind):.4g} {unit_of(kind)}".strip()
+        sentences.append(f"beside {at} a modulated vibration (torus) is likely: it is not computed here")
     return [*sentences, *result.audit()]
 
 
