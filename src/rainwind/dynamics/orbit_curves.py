@@ -191,6 +191,10 @@ def _name_the_end(problem: OrbitCurveEquations, half: Half) -> None:
         if point is not None:
             half.points.append(point)
             half.ended = Ended.AT_HOPF
+            # where orbits vanish the second multiplier comes to 1 too, and rounding decides on signs
+            small = 4.0 * swing_size(problem, half.nodes[-1])
+            vanishing = min(n.arclength for n in half.nodes if swing_size(problem, n) <= small)
+            half.gaps = [gap for gap in half.gaps if gap.change or gap.between[0] < vanishing]
     if problem.kind != "ns" or half.ended is not Ended.AT_BOUND or len(half.nodes) < 2:
         return
     nodes: list[Any] = half.nodes[-2:]

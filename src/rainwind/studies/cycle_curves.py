@@ -6,7 +6,7 @@ are left out.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -39,7 +39,6 @@ SCANNED = (
 CONTINUE = {"lpc": continue_lpc, "ns": continue_ns, "pd": continue_pd}
 _KEPT = 8
 _LIMIT = 800  # points a direction
-_VANISHING = 0.5  # of arclength, from a generalised Hopf point
 _SAME_SPEED, _SAME_SIZE, _SAME_PERIOD = 2e-3, 0.05, 1e-3  # of the window, of the size, of the period
 _NEAR = 0.35  # of the curves' extent and of the size: an ns curve ends in a resonance no farther than this
 
@@ -154,18 +153,7 @@ class CycleCurves:
 
     def audit(self) -> list[str]:
         """What the curves say against themselves, and what could not be started."""
-        return [fault for curve in self.curves for fault in _faults(curve)] + list(self.notes)
-
-
-def _faults(curve: OrbitBranch) -> list[str]:
-    """A curve's audit without what is said near its end in a generalised Hopf point, where its cycles vanish."""
-    size, s = curve["y"], curve.arclength
-    for k in (0, -1):
-        if curve.kind == "lpc" and curve.ended[k] is Ended.STEP_TOO_SMALL and size[k] < 0.1 * size.max():
-            gaps = tuple(gap for gap in curve.unexplained if abs(gap.between[0] - s[k]) > _VANISHING)
-            ended = (Ended.AT_HOPF, curve.ended[1]) if k == 0 else (curve.ended[0], Ended.AT_HOPF)
-            curve = replace(curve, unexplained=gaps, ended=ended)
-    return curve.audit()
+        return [fault for curve in self.curves for fault in curve.audit()] + list(self.notes)
 
 
 def _others(curve: OrbitBranch) -> np.ndarray:
