@@ -21,7 +21,7 @@ from rainwind.dynamics.kernels.linear import product, solve_many, transposed_pro
 _EPS = 2.220446049250313e-16
 _LN2 = 0.6931471805599453
 _SWEEPS = 100  # for one deflation; three are usual, thirty for twelve in one Jordan block
-GROUPED = 1e3  # largest condition number of a product of neighbours to which one more factor is joined
+GROUPED = 1e2  # largest condition number of a product of neighbours to which one more factor is joined
 
 
 @compiled
