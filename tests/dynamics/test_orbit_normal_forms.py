@@ -204,17 +204,17 @@ def orbit(case, grid):
 
 
 def expected(case):
-    """The value for a disturbance of length 1 in the coordinates y and their units; and the disturbance (512, n)."""
-    x, m, units = case.cycle(PHASES), matrix_of(case.n), units_of(case.n)
-    v = (m @ bent_by(x, case.disturbance(PHASES))).T / units
+    """The value for a disturbance of length 1 in the coordinates y; and the disturbance (512, n)."""
+    x, m = case.cycle(PHASES), matrix_of(case.n)
+    v = (m @ bent_by(x, case.disturbance(PHASES))).T
     if case.kind == "lpc":
-        spectrum = np.fft.fft((m @ bent(x)).T / units, axis=0)
+        spectrum = np.fft.fft((m @ bent(x)).T, axis=0)
         numbers = np.fft.fftfreq(512, 1 / 512)[:, None]
         f = np.fft.ifft(2j * np.pi * numbers * spectrum, axis=0).real
         v = v - np.sum(v * f) / np.sum(f**2) * f
     length = np.sqrt(np.mean(np.sum(np.abs(v) ** 2, axis=1)))
     power = 1 if case.kind == "lpc" else 2
-    return case.value / length**power, v / length * units
+    return case.value / length**power, v / length
 
 
 def form(case, problem, u):

@@ -73,16 +73,14 @@ def test_its_newton_step_is_that_of_the_condensed_chain(case):
     assert lam == pytest.approx(expected_lam, rel=1e-10, abs=1e-10)
 
 
-@pytest.mark.parametrize("z", [1.0, -1.0, np.exp(0.7j)])
-def test_its_null_vectors_are_the_floquet_modes(z):
-    """x' = rate x has the mode exp(rate t) with multiplier exp(rate): null vector of the operator at that z only."""
-    grid, rate = uneven(12, 8), np.log(z + 0j)
-    j = np.array([[0.0, -rate.imag], [rate.imag, 0.0]]) / 1.3
-    matrix = operator(grid, np.tile(j, (12 * 8, 1, 1)), 1.3, z)
-    mode = np.exp(rate * grid.nodes)[:, None] * np.array([1.0, -1j])
-    assert np.abs(matrix @ mode.ravel()).max() < 1e-10
-    elsewhere = operator(grid, np.tile(j, (12 * 8, 1, 1)), 1.3, 1.1 * z)
-    assert np.abs(elsewhere @ mode.ravel()).max() == pytest.approx(0.1)
+def test_its_null_vectors_are_the_floquet_modes():
+    """x' = rate x has the mode exp(rate t): null vector of the operator for rate = 2 pi i only."""
+    grid = uneven(12, 8)
+    mode = np.exp(2j * np.pi * grid.nodes)[:, None] * np.array([1.0, -1j])
+    for rate, apart in ((2.0 * np.pi, 0.0), (2.0 * np.pi + 0.1, 0.1)):
+        j = np.array([[0.0, -rate], [rate, 0.0]]) / 1.3
+        matrix = operator(grid, np.tile(j, (12 * 8, 1, 1)), 1.3)
+        assert np.abs(matrix @ mode.ravel()).max() == pytest.approx(apart, abs=1e-10, rel=0.2)
 
 
 def test_it_is_the_derivative_of_the_equations():

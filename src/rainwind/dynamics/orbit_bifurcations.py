@@ -218,9 +218,9 @@ def solve_branch_point(problem: OrbitEquations, u: np.ndarray) -> tuple[np.ndarr
                 borders = start_borders(problem, u, at, "bp")
             found = condition(problem, u, at, "bp", borders)
             if direction is None:
-                direction = adjoint(at, found)
+                direction = adjoint(found).reshape(*at.steps.shape[:2], 1)
                 direction /= np.max(np.abs(direction))
-            by = slopes(problem, u, at, found)
+            by = slopes(problem, u, found)
             rows[1:], corner[1:, :2] = by[:, :size], by[:, size : size + 2]
             inside = np.empty_like(direction)
             kernel.solve_inside(at.factors, at.orders, -direction, inside)
@@ -264,7 +264,7 @@ def describe(
         coefficient = lpc_coefficient(problem, node.u)
     elif kind == "pd":
         coefficient = pd_coefficient(problem, node.u)
-        profile = null_profile(at, found)
+        profile = null_profile(found)
         direction = np.append(profile.ravel(), np.zeros(1 + len(problem.along)))
     elif kind == "ns":
         coefficient = ns_coefficient(problem, node.u, float(angle or 0.0))
@@ -281,7 +281,7 @@ def bordered(problem: OrbitEquations, u: np.ndarray, at: Linearised, kind: str, 
     """The bordered scalars of a kind at a point where they vanish, with borders of its own."""
     borders = start_borders(problem, u, at, kind, angle)
     found = condition(problem, u, at, kind, borders, angle)
-    return condition(problem, u, at, kind, refreshed(found, at), angle)
+    return condition(problem, u, at, kind, refreshed(found), angle)
 
 
 def crossing(problem: OrbitEquations, node: OrbitNode, at: Linearised) -> np.ndarray:

@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rainwind.dynamics.kernels import chain
 from rainwind.dynamics.kernels import collocation as kernel
 from rainwind.dynamics.kernels.conditions import contracted
+from rainwind.dynamics.orbit_chain import Chain
 from rainwind.dynamics.orbit_equations import Linearised, OrbitEquations
 
 Complex = NDArray[np.complex128]
@@ -54,7 +54,7 @@ class Condition:
     rest: Any
     nu: Any
     zeta: Any
-    reduced: tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray]]  # ends, tops, elimination
+    chain: Chain
 
     @property
     def values(self) -> np.ndarray:
@@ -81,14 +81,14 @@ def condition(
 ) -> Condition:
     """The scalars of one kind at u, where `at` is the linearisation there."""
     n, extra = problem.n, EXTRA[kind]
-    ends, tops, elimination, _ = chain.reduce_chain(at.steps, n)
+    chain = Chain(at, n)
     z = multiplier_of(kind, angle)
     rows = borders.below.shape[0]
     point = 1 if extra else 0
     size = 2 * n + extra + 1
     a = np.zeros((size, size), dtype=complex if kind == "ns" else float)
-    a[:n, : 2 * n] = ends[:, : 2 * n]
-    a[:n, 2 * n : 2 * n + extra] = -ends[:, 2 * n : 2 * n + extra]
+    a[:n, : 2 * n] = chain.ends[:, : 2 * n]
+    a[:n, 2 * n : 2 * n + extra] = -chain.by_lambda[:, :extra]
     a[n : 2 * n, :n] = -z * np.eye(n)
     a[n : 2 * n, n : 2 * n] = np.eye(n)
     a[n : 2 * n, -1] = borders.left
@@ -104,11 +104,11 @@ def condition(
     adjoint = np.linalg.solve(a.T, last)
     return Condition(
         kind, solution[-1], z, solution[:n], solution[n : 2 * n], solution[2 * n : 2 * n + extra],
-        adjoint[n : 2 * n], adjoint[:n], (ends, tops, elimination),
+        adjoint[n : 2 * n], adjoint[:n], chain,
     )  # fmt: skip
 
 
-def refreshed(found: Condition, at: Linearised) -> OrbitBorders:
+def refreshed(found: Condition) -> OrbitBorders:
     """Borders turned to the null vectors, so that the bordered system stays well conditioned."""
     phi = np.vstack([found.first, found.rest]).T  # (rows, n + extra)
     if found.kind == "bp":
@@ -116,8 +116,8 @@ def refreshed(found: Condition, at: Linearised) -> OrbitBorders:
         below = q.T
     else:
         below = np.conj(phi) / np.linalg.norm(phi)
-    flow = at.f[0] / np.linalg.norm(at.f[0])
-    return OrbitBorders(np.conj(found.nu) / np.linalg.norm(found.nu), below, flow)
+    f = found.chain.at.f[0]
+    return OrbitBorders(np.conj(found.nu) / np.linalg.norm(found.nu), below, f / np.linalg.norm(f))
 
 
 def start_borders(
@@ -133,53 +133,35 @@ def start_borders(
         at.f[0] / np.linalg.norm(at.f[0]),
     )
     for _ in range(4):
-        borders = refreshed(condition(problem, u, at, kind, borders, angle), at)
+        borders = refreshed(condition(problem, u, at, kind, borders, angle))
     return borders
 
 
-def null_profile(at: Linearised, found: Condition, column: int = 0) -> np.ndarray:
+def null_profile(found: Condition, column: int = 0) -> np.ndarray:
     """phi at all nodes (N m + 1, n), complex at a Neimark-Sacker point."""
-    c = at.steps.shape[2] - found.first.shape[0] - 1
-    _, tops, _ = found.reduced
-    first, last, rest = (values[:, column : column + 1] for values in (found.first, found.last, found.rest))
-    parts = [np.hstack([v.real, v.imag]) if np.iscomplexobj(v) else v for v in (first, last)]
-    k = parts[0].shape[1]
-    lam = np.zeros((c, k))
-    lam[: len(rest), 0] = rest[:, 0].real
-    if k == 2:
-        lam[: len(rest), 1] = rest[:, 0].imag
-    none = np.zeros((tops.shape[0], first.shape[0], k))
-    mesh = chain.mesh_points(tops, none, np.ascontiguousarray(parts[0]), np.ascontiguousarray(parts[1]), lam)
-    x = chain.all_nodes(at.steps, mesh, lam, np.zeros(k))
-    return x[:, :, 0] + 1j * x[:, :, 1] if k == 2 else x[:, :, 0]
+    first, last, rest = (values[:, column] for values in (found.first, found.last, found.rest))
+    return found.chain.nodes(first, last, rest)
 
 
-def adjoint(at: Linearised, found: Condition) -> np.ndarray:
-    """The multipliers psi of all collocation rows (N, m n, 1), or their real and imaginary parts (N, m n, 2)."""
-    _, _, elimination = found.reduced
-    n = found.first.shape[0]
-    ends = np.ascontiguousarray(_real(found.zeta).T)
-    mu = chain.multipliers_of_rows(elimination, ends)
-    right = np.zeros((*at.steps.shape[:2], mu.shape[2]))
-    right[:, -n:] = mu
-    return kernel.solve_inside_transposed(at.factors, at.orders, right)
+def adjoint(found: Condition) -> np.ndarray:
+    """The multipliers psi (N m, n) of all collocation equations, complex at a Neimark-Sacker point."""
+    return found.chain.adjoint(found.zeta)
 
 
-def slopes(problem: OrbitEquations, u: np.ndarray, at: Linearised, found: Condition) -> np.ndarray:
+def slopes(problem: OrbitEquations, u: np.ndarray, found: Condition) -> np.ndarray:
     """Derivatives of the real scalars by (profile, period, free parameters): (conditions, len)."""
     n, size = problem.n, problem.profile_size
     x, period, p = problem.parts(u)
-    psi = adjoint(at, found)  # (N, m n, 1 or 2)
+    psis = _real(adjoint(found))
     tape, inputs, free = problem.tape
     basis = problem.grid.basis
     points = kernel.gauss_inputs(inputs, free, basis.values, x, p)
     found_slopes = []
     for column in range(found.g.size):
-        phi = problem.grid.at_points(null_profile(at, found, column)).reshape(-1, n)
+        phi = problem.grid.at_points(null_profile(found, column)).reshape(-1, n)
         rest = np.zeros((1 + len(free), 1), dtype=found.first.dtype)
         rest[: len(found.rest), 0] = found.rest[:, column]
         phis, rests = _real(phi), _real(rest)
-        psis = np.ascontiguousarray(np.moveaxis(psi, 2, 0)).reshape(psi.shape[2], -1, n)
         # sums psi_a' (d operator) phi_b over all Gauss points, for all a and b
         by_state, by_period, by_parameter = contracted(
             tape, points, free, phis, np.ascontiguousarray(rests[:, :, 0]), psis, period

@@ -67,7 +67,7 @@ class OrbitCurveEquations(OrbitEquations):
                 found = condition(self, u, at, self.kind, borders, self.angle(u))
             except np.linalg.LinAlgError:
                 return None
-            by = slopes(self, u, at, found)
+            by = slopes(self, u, found)
             rows[1:-1], corner[1:-1, : by.shape[1] - size] = by[:, :size], by[:, size:]
             if self.extras:
                 corner[1:-1, -1] = slope_by_angle(found)
@@ -106,12 +106,12 @@ class OrbitCurveEquations(OrbitEquations):
         if self.kind == "lpc":
             # the derivative of g along the null vector: the quadratic coefficient but for its size
             scale = self.scale[: self.profile_size + 1]
-            along = np.append(null_profile(at, found).ravel(), found.rest[0, 0]) / scale
+            along = np.append(null_profile(found).ravel(), found.rest[0, 0]) / scale
             tests[0] = (by[0, : scale.size] * scale) @ along / np.linalg.norm(along)
         elif self.kind == "ns":
             angle = self.angle(u)
             tests[1] = np.cos(angle) * (np.cos(angle) + 0.5)  # 1:4 and 1:3
         return OrbitCurveNode(
             u, tangent, 0.0, iterations, tests, exponents, None, self.grid, trivial, liouville, self.age_after(near),
-            float(np.max(np.abs(self.defects(u)))), refreshed(found, at),
+            float(np.max(np.abs(self.defects(u)))), refreshed(found),
         )  # fmt: skip

@@ -31,25 +31,25 @@ w spans the null space of L's adjoint (with v's boundary condition; in (3) also 
 solvable. h and h11 are fixed up to multiples of f, which change nothing. As published, (1) has k = 1 and xi is scaled
 to suit; here k may vanish, as it does where neighbouring cycles have equal periods, and v is normalised alike in all:
 
-    mean over the period of |v / units|^2 = 1;  in (1) also mean of <v / units, f / units> = 0.   (13)
+    mean over the period of |v|^2 = 1;  in (1) also mean of <v, f> = 0.                           (13)
 
-xi is then the amplitude of the critical disturbance in those units. The article's integral of |v|^2 over T is 1, and
-its c and Re d are ours divided by T. Other units or coordinates change the size of a coefficient, never its sign; that
-of b turns with v (`lpc_form`).
+xi is then the amplitude of the critical disturbance in the model's own units. The article's integral of |v|^2 over T
+is 1, and its c and Re d are ours divided by T. Other units or coordinates change the size of a coefficient, never its
+sign; that of b turns with v (`lpc_form`).
 
-Discretised, L is the matrix of `sparse_collocation`, bordered by f where f is in its kernel, w its left null vector, so
-that the solvability conditions are those of the discrete equations themselves; B and C come from the tape.
+Discretised, L is the collocation's own operator, w its left null vector, so that the solvability conditions are those
+of the discrete equations themselves. All is solved on the chain reduced to its ends (`orbit_chain`), bordered by f
+where f is in L's kernel. B and C come from the tape.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
 
-from rainwind.dynamics.kernels.jets import directional
-from rainwind.dynamics.kernels.tangents import second_orders
+from rainwind.dynamics.kernels.collocation import gauss_inputs
+from rainwind.dynamics.kernels.conditions import second_along, third_along
+from rainwind.dynamics.orbit_chain import Chain
 from rainwind.dynamics.orbit_equations import OrbitEquations
-from rainwind.dynamics.sparse_collocation import bordered, factored, operator, solve
 
 # how near to a strong resonance k no coefficient is given, rad; at small angles other terms matter only very near
 RESONANCE = {1: np.radians(0.1), 2: np.radians(1.0), 3: np.radians(1.0), 4: np.radians(1.0)}
@@ -93,64 +93,52 @@ def lpc_form(problem: OrbitEquations, u: np.ndarray, like: np.ndarray | None = N
     (if all other multipliers are inside). Along a curve, where the parameter may turn back, give the last v as `like`.
     """
     cycle = _Cycle(problem, u)
-    matrix = bordered(
-        cycle.operator(1.0), cycle.column(-cycle.f / cycle.speed), cycle.row(cycle.f / cycle.speed), [[0.0]]
-    )
-    found, left, border = _null_vectors(matrix)
-    v, k = cycle.nodes(found[:-1]), found[-1] / (problem.parts(u)[1] * cycle.speed)
-    length = cycle.length(v)
-    v, k = v / length, k / length
+    v, k, w, border = cycle.fold()
     points = cycle.points(v)
-    by_v = cycle.second(points)
+    (by_v,) = cycle.second(points)
     right = np.einsum("jab,jb->ja", by_v, points) + 2.0 * k * cycle.slopes(v)
-    w = cycle.weights(left)
     with np.errstate(divide="ignore", invalid="ignore"):
         b = 0.5 * np.vdot(w, right) / np.vdot(w, points)
         drift = np.vdot(w, cycle.by_parameter) / np.vdot(w, points)
-    turn = np.sign(drift) if like is None else np.sign(cycle.inner(v, like / problem.units))
-    return OrbitForm(float(turn * b), turn * v * problem.units, border)
+    turn = np.sign(drift) if like is None else np.sign(cycle.mean(points, cycle.points(like)))
+    return OrbitForm(float(turn * b), turn * v, border)
 
 
 def pd_form(problem: OrbitEquations, u: np.ndarray) -> OrbitForm:
     """Eqs. (4), (5) and (7)."""
     cycle = _Cycle(problem, u)
-    found, left, border = _null_vectors(cycle.operator(-1.0))
-    v = cycle.nodes(found)
-    v /= cycle.length(v)
+    v, w, border = cycle.critical(-1.0)
     points = cycle.points(v)
-    by_v = cycle.second(points)
+    (by_v,) = cycle.second(points)
     h, double = cycle.periodic(np.einsum("jab,jb->ja", by_v, points))
-    right = cycle.third(points[None])[0] + 3.0 * np.einsum("jab,jb->ja", by_v, cycle.points(h))
+    right = cycle.third(points)[0] + 3.0 * np.einsum("jab,jb->ja", by_v, cycle.points(h))
     right -= 3.0 * double * cycle.slopes(v)  # 6 a v'
-    w = cycle.weights(left)
     with np.errstate(divide="ignore", invalid="ignore"):
         c = np.vdot(w, right) / np.vdot(w, points) / 6.0
-    return OrbitForm(float(c), v * problem.units, border)
+    return OrbitForm(float(c), v, border)
 
 
 def ns_form(problem: OrbitEquations, u: np.ndarray, angle: float) -> OrbitForm:
     """Eqs. (8), (9), (10) and (12)."""
     cycle, z = _Cycle(problem, u), np.exp(1j * angle)
-    found, left, border = _null_vectors(cycle.operator(z))
-    v = cycle.nodes(found)
-    v /= cycle.length(v)
+    v, w, border = cycle.critical(z)
     if near_resonance(angle):
-        return OrbitForm(np.nan, v * problem.units, border)
+        return OrbitForm(np.nan, v, border)
     points = cycle.points(v)
     re, im = np.real(points), np.imag(points)
-    by_v = cycle.second(re) + 1j * cycle.second(im)
+    by_re, by_im = cycle.second(re, im)
+    by_v = by_re + 1j * by_im
     h11, a = cycle.periodic(np.einsum("jab,jb->ja", by_v, points.conj()).real)
     h20 = cycle.turned(z**2, np.einsum("jab,jb->ja", by_v, points))
     right = 2.0 * np.einsum("jab,jb->ja", by_v, cycle.points(h11)) - 2.0 * a * cycle.slopes(v)
     right += np.einsum("jab,jb->ja", by_v.conj(), cycle.points(h20))
     # C(v, v, v*) for v = p + i q is C(p, p, p) + C(p, q, q) + i (C(p, p, q) + C(q, q, q))
-    ppp, qqq, plus, minus = cycle.third(np.stack([re, im, re + im, re - im]))
+    ppp, qqq, plus, minus = cycle.third(re, im, re + im, re - im)
     pqq, ppq = (plus + minus - 2.0 * ppp) / 6.0, (plus - minus - 2.0 * qqq) / 6.0
     right += ppp + pqq + 1j * (ppq + qqq)
-    w = cycle.weights(left)
     with np.errstate(divide="ignore", invalid="ignore"):
         d = 0.5 * np.vdot(w, right) / np.vdot(w, points)
-    return OrbitForm(float(d.real), v * problem.units, border)
+    return OrbitForm(float(d.real), v, border)
 
 
 def near_resonance(angle: float) -> bool:
@@ -165,113 +153,88 @@ def near_resonance(angle: float) -> bool:
 
 
 class _Cycle:
-    """A cycle at its Gauss points, states divided by their units, derivatives by time."""
+    """A cycle at its Gauss points; derivatives are by time."""
 
     def __init__(self, problem: OrbitEquations, u: np.ndarray) -> None:
         x, self.period, p = problem.parts(u)
-        system, units, at = problem.system, problem.units, problem.linearise(u)
-        n = problem.n
-        self.grid, self.units, self.tape = problem.grid, units, system.tape.arrays
-        self.f = at.f / units
+        tape, inputs, free = problem.tape
+        n, at = problem.n, problem.linearise(u)
+        self.grid, self.n, self.tape, self.units = problem.grid, n, tape, problem.units
+        self.chain = Chain(at, n)
+        self.rows = np.max(np.abs(self.chain.ends[:, : 2 * n]) * np.tile(self.units, 2), axis=1)
+        self.f, self.flow = at.f, problem.flow(u)[0]  # at the Gauss points, and at the start
         self.speed = float(np.sqrt(self.mean(self.f, self.f)))
-        self.jacobian = at.by[:, :, :n] * units / units[:, None]
-        self.by_parameter = at.by[:, :, n] / units
-        self.inputs = system.inputs(
-            self.grid.at_points(x).reshape(-1, n), dict(zip(problem.along, p.tolist(), strict=True))
-        )
+        self.by_parameter = at.by[:, :, n]
+        self.inputs = gauss_inputs(inputs, free, self.grid.basis.values, x, p)
 
-    def operator(self, z: complex) -> sparse.csc_array:
-        """T L with the boundary condition h(T) = z h(0)."""
-        return operator(self.grid, self.jacobian, self.period, z)
+    def critical(self, z: complex) -> tuple[np.ndarray, np.ndarray, float]:
+        """v of length 1 with L v = 0, v(T) = z v(0); w, quadrature included; how far z is from a multiplier."""
+        start, zeta, border = _null_vectors(self.chain.around(z), self.units, self.rows)
+        v = self.chain.nodes(start, z * start)
+        with np.errstate(invalid="ignore"):
+            v = v / self.length(v)
+        return v, self.chain.adjoint(zeta).conj(), border
 
-    def nodes(self, flat: np.ndarray) -> np.ndarray:
-        """A profile (N m + 1, n) from its unknowns one after the other."""
-        return flat.reshape(-1, self.units.size)
+    def fold(self) -> tuple[np.ndarray, float, np.ndarray, float]:
+        """v and k of eq. (1), w of eq. (3), and how far they are from a solution."""
+        n, flow = self.n, self.flow
+        matrix = np.zeros((n + 1, n + 1))
+        matrix[:n, :n], matrix[:n, n] = self.chain.around(1.0), -self.chain.by_lambda[:, 0]
+        matrix[n, :n] = flow / np.linalg.norm(flow)  # shifts along the orbit have their turn below
+        units, rows = np.append(self.units, self.period), np.append(self.rows, np.max(self.units))
+        found, zeta, border = _null_vectors(matrix, units, rows)
+        v = self.chain.nodes(found[:n], found[:n], found[n:])
+        shift = self.chain.nodes(flow, flow)
+        v -= self.mean(self.points(v), self.f) / self.mean(self.points(shift), self.f) * shift
+        length = self.length(v)
+        return v / length, float(found[n]) / (self.period * length), self.chain.adjoint(zeta[:n]), border
 
     def points(self, v: np.ndarray) -> np.ndarray:
         """A profile at the Gauss points (N m, n)."""
-        return self.grid.at_points(v).reshape(-1, self.units.size)
+        return self.grid.at_points(v).reshape(-1, self.n)
 
     def slopes(self, v: np.ndarray) -> np.ndarray:
         """A profile's derivative by time at the Gauss points (N m, n)."""
-        return self.grid.slopes_at_points(v).reshape(-1, self.units.size) / self.period
+        return self.grid.slopes_at_points(v).reshape(-1, self.n) / self.period
 
     def mean(self, a: np.ndarray, b: np.ndarray) -> float:
         """The mean over the period of Re <a, b>, both at the Gauss points (N m, n)."""
         weights = (self.grid.lengths[:, None] * self.grid.basis.weights).ravel()
         return float(weights @ np.sum(np.real(a.conj() * b), axis=1))
 
-    def inner(self, a: np.ndarray, b: np.ndarray) -> float:
-        """The same of two profiles."""
-        return self.mean(self.points(a), self.points(b))
-
     def length(self, v: np.ndarray) -> float:
         """The norm of eq. (13)."""
-        return float(np.sqrt(self.inner(v, v)))
-
-    def weights(self, left: np.ndarray) -> np.ndarray:
-        """w (N m, n), quadrature included, from a left null vector: its entries at the collocation rows."""
-        return left[: self.f.size].reshape(self.f.shape)
-
-    def column(self, at_points: np.ndarray) -> np.ndarray:
-        """A column beside the operator: the right-hand side `at_points` of the collocation rows."""
-        return np.append(at_points.ravel(), np.zeros(self.units.size))[:, None]
-
-    def row(self, at_points: np.ndarray) -> np.ndarray:
-        """A row below the operator: the mean of <at_points, h>."""
-        return self.grid.row(at_points.reshape(-1, self.grid.degree, self.units.size)).reshape(1, -1)
+        points = self.points(v)
+        return float(np.sqrt(self.mean(points, points)))
 
     def periodic(self, right: np.ndarray) -> tuple[np.ndarray, float]:
         """h and a number s with L h + s f = right, h(T) = h(0) and mean <f, h> = 0."""
-        direction = self.f / self.speed
-        matrix = bordered(self.operator(1.0), self.column(direction), self.row(direction), [[0.0]])
-        found = _solved(matrix, np.append(self.column(self.period * right).ravel(), 0.0))
-        return self.nodes(found[:-1]), float(found[-1].real) / (self.period * self.speed)
+        row = self.grid.row(self.f.reshape(-1, self.grid.degree, self.n) / self.speed)
+        h, by_period = self.chain.periodic(self.period * right, row)
+        return h, -by_period / self.period
 
     def turned(self, z: complex, right: np.ndarray) -> np.ndarray:
         """h with L h = right, h(T) = z h(0)."""
-        return self.nodes(_solved(self.operator(z), self.column(self.period * right).ravel()))
+        return self.chain.turned(z, self.period * right)
 
-    def second(self, v: np.ndarray) -> np.ndarray:
-        """The matrices B(v, .) (N m, n, n) for real v (N m, n)."""
-        n, states = self.units.size, np.arange(self.units.size)
-        along = np.zeros((len(v), 1, self.inputs.shape[1]))
-        along[:, 0, :n] = v * self.units
-        pairs = zip(self.inputs, along, strict=True)
-        found = np.array([second_orders(*self.tape, at, states, vector)[2][0] for at, vector in pairs])
-        return found * self.units / self.units[:, None]
+    def second(self, *vectors: np.ndarray) -> np.ndarray:
+        """The matrices B(v, .) (k, N m, n, n) for real vectors (N m, n)."""
+        return second_along(self.tape, self.inputs, np.stack(vectors))
 
-    def third(self, vectors: np.ndarray) -> np.ndarray:
-        """C(v, v, v) (k, N m, n) for real vectors (k, N m, n)."""
-        along = np.zeros((vectors.shape[1], len(vectors), self.inputs.shape[1]))
-        along[:, :, : self.units.size] = np.swapaxes(vectors, 0, 1) * self.units
-        pairs = zip(self.inputs, along, strict=True)
-        found = np.array([directional(*self.tape, at, vector, 3) for at, vector in pairs])
-        return np.swapaxes(found, 0, 1) / self.units
+    def third(self, *vectors: np.ndarray) -> np.ndarray:
+        """C(v, v, v) (k, N m, n) for real vectors (N m, n)."""
+        return third_along(self.tape, self.inputs, np.stack(vectors))
 
 
-def _solved(matrix: sparse.csc_array, right: np.ndarray) -> np.ndarray:
-    """The solution of the equations, not a number where they are singular."""
-    factors = factored(matrix)
-    return np.full(right.shape, np.nan) if factors is None else solve(factors, matrix, right)
+def _null_vectors(
+    matrix: np.ndarray, units: np.ndarray, rows: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """x, y with M x = 0 and y' M = 0 (no conjugates) for M (k, k) of rank k - 1; its least singular value.
 
-
-def _null_vectors(matrix: sparse.csc_array) -> tuple[np.ndarray, np.ndarray, float]:
-    """Right and left null vectors (k,), of length 1, of a matrix of rank k - 1; |border scalar|: 0 if they are that.
-
-    M v + p g = 0, q* v = 1 and the adjoint equations (Govaerts 2000, sec. 3.2), the borders turned to the answer once.
+    units, rows (k,): the sizes of unknowns and equations. All are not a number where the matrix is.
     """
-    k = matrix.indptr.size - 1
-    p, q = (np.random.default_rng(seed).normal(size=k) for seed in (0, 1))
-    border, last = np.inf, np.append(np.zeros(k), 1.0)
-    for _ in range(2):
-        whole = bordered(matrix, p.reshape(-1, 1), q.conj().reshape(1, -1), [[0.0]])
-        factors = factored(whole)
-        if factors is None:
-            return np.full(k, np.nan), np.full(k, np.nan), np.nan
-        right = solve(factors, whole, last)
-        left = solve(factors, whole, last, adjoint=True)
-        length = float(np.linalg.norm(right[:-1]))
-        q, p = right[:-1] / length, left[:-1] / np.linalg.norm(left[:-1])
-        border = float(abs(right[-1])) / length
-    return q, p, border
+    if not np.all(np.isfinite(matrix)):
+        none = np.full(units.shape, np.nan, dtype=matrix.dtype)
+        return none, none, np.nan
+    left, sizes, right = np.linalg.svd(matrix * units / rows[:, None])
+    return units * right[-1].conj(), left[:, -1].conj() / rows, float(sizes[-1])

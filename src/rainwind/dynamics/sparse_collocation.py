@@ -1,8 +1,8 @@
 """The linearised collocation equations as one sparse matrix: slower than the condensed chain, and independent of it.
 
 Unknowns: a disturbance at all nodes, node by node ((N m + 1) n), then extra scalars. Rows: at every Gauss point
-x' - T J x, then x(1) - z x(0), then the extra ones. It steps in where the residual of `kernels/chain.py` says that its
-answer is poor, and carries the normal forms of cycles, where z turns or flips a disturbance in one period.
+x' - T J x, then x(1) - x(0), then the extra ones. It steps in where the residual of `kernels/chain.py` says that its
+answer is poor.
 """
 
 from typing import Any
@@ -14,8 +14,8 @@ from scipy.sparse.linalg import SuperLU, splu
 from rainwind.dynamics.collocation import Grid, Linearised
 
 
-def operator(grid: Grid, jacobian: np.ndarray, period: float, z: complex = 1.0) -> sparse.csc_array:
-    """The square matrix of x' - T J x at the Gauss points and of x(1) - z x(0).
+def operator(grid: Grid, jacobian: np.ndarray, period: float) -> sparse.csc_array:
+    """The square matrix of x' - T J x at the Gauss points and of x(1) - x(0).
 
     jacobian (N m, n, n) at the Gauss points, by time (not by phase).
     """
@@ -28,7 +28,7 @@ def operator(grid: Grid, jacobian: np.ndarray, period: float, z: complex = 1.0) 
     rows = np.broadcast_to((interval * m + point) * n + r, blocks.shape).ravel()
     columns = np.broadcast_to((interval * m + node) * n + c, blocks.shape).ravel()
     last = many * m * n + states
-    entries = np.concatenate([blocks.ravel(), np.ones(n), np.full(n, -z)])
+    entries = np.concatenate([blocks.ravel(), np.ones(n), np.full(n, -1.0)])
     where = np.concatenate([rows, last, last]), np.concatenate([columns, last, states])
     found = sparse.csc_array(sparse.coo_array((entries, where), shape=(last[-1] + 1, last[-1] + 1)))
     found.eliminate_zeros()

@@ -1,8 +1,9 @@
-"""Second derivatives of the collocation equations along a null vector, against multipliers, at all Gauss points."""
+"""Higher derivatives of a tape at all Gauss points of an orbit: along vectors, or contracted with multipliers."""
 
 import numpy as np
 
 from rainwind.dynamics.kernels.compiling import compiled
+from rainwind.dynamics.kernels.jets import directional
 from rainwind.dynamics.kernels.tangents import second_orders
 
 
@@ -44,3 +45,34 @@ def contracted(tape, points, free, phi, rest, psi, period):
                         )
                         by_period[a, b] += weight * d[i, n + k] * rest[b, 1 + k]
     return by_state, by_period, by_parameter
+
+
+@compiled
+def second_along(tape, points, vectors):
+    """The matrices B(v, .) (k, P, n, n) for vectors (k, P, n) at points (P, i)."""
+    operations, template, outputs = tape
+    k, many, n = vectors.shape
+    states = np.arange(n)
+    along = np.zeros((k, points.shape[1]))
+    found = np.empty((k, many, n, n))
+    for point in range(many):
+        for row in range(k):
+            along[row, :n] = vectors[row, point]
+        _, _, mixed = second_orders(operations, template, outputs, points[point], states, along)
+        for row in range(k):
+            found[row, point] = mixed[row]
+    return found
+
+
+@compiled
+def third_along(tape, points, vectors):
+    """C(v, v, v) (k, P, n) for vectors (k, P, n) at points (P, i)."""
+    operations, template, outputs = tape
+    k, many, n = vectors.shape
+    along = np.zeros((k, points.shape[1]))
+    found = np.empty((k, many, n))
+    for point in range(many):
+        for row in range(k):
+            along[row, :n] = vectors[row, point]
+        found[:, point] = directional(operations, template, outputs, points[point], along, 3)
+    return found
