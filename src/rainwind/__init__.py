@@ -29,10 +29,13 @@ if TYPE_CHECKING:
     from rainwind.dynamics.orbit_results import OrbitBranch as OrbitBranch
     from rainwind.dynamics.orbit_results import OrbitPoint as OrbitPoint
     from rainwind.dynamics.orbits import continue_orbits as continue_orbits
+    from rainwind.dynamics.records import record as record
     from rainwind.dynamics.results import Branch as Branch
     from rainwind.dynamics.results import Ended as Ended
     from rainwind.dynamics.results import SpecialPoint as SpecialPoint
     from rainwind.dynamics.shooting import shoot as shoot
+    from rainwind.dynamics.signals import Signal as Signal
+    from rainwind.dynamics.signals import ramp as ramp
     from rainwind.dynamics.system import System as System
     from rainwind.elementary import acos as acos
     from rainwind.elementary import asin as asin
@@ -82,6 +85,8 @@ _HOME = {
     "SpecialPoint": "dynamics.results",
     "find_orbit": "dynamics.find_orbit",
     "shoot": "dynamics.shooting",
+    "record": "dynamics.records",
+    **dict.fromkeys(("Signal", "ramp"), "dynamics.signals"),
     "save": "io.saved",
     "load": "io.saved",
     "export_to_auto": "io.auto_export",
