@@ -1,6 +1,7 @@
 """Branches, curves and orbits saved, loaded, compared, and continued from."""
 
 import dataclasses
+from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from rainwind.dynamics import cycle_zoo
 from rainwind.dynamics.collocation import Grid
 from rainwind.dynamics.find_orbit import find_orbit
 from rainwind.errors import InputError
+from rainwind.io import saved
 from rainwind.io.results import Column, Table, load_netcdf, save_netcdf
 from rainwind.io.saved import load, save, table
 
@@ -171,3 +173,51 @@ def test_foreign_and_damaged_files(orbits, tmp_path):
 def test_only_results_can_be_saved(what, tmp_path):
     with pytest.raises(InputError, match="can be saved; got"):
         save(what, tmp_path / "a.nc")
+
+
+@pytest.mark.parametrize("name", ["a", "a.txt", "a.nc4", "a.xlsx"])
+def test_an_ending_that_cannot_be_written_is_refused(name, orbits, tmp_path):
+    with pytest.raises(InputError, match=r"end it with \.nc"):
+        save(orbits[0], tmp_path / name)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_to_do_with_a_csv_file(tmp_path):
+    with pytest.raises(InputError, match=r"save the result once more under a name that ends with \.nc"):
+        load(tmp_path / "o.csv")
+
+
+@pytest.mark.parametrize("step", ["load_netcdf", "_Read"])
+def test_a_fault_of_the_program_is_not_called_a_damaged_file(step, orbits, tmp_path, monkeypatch):
+    save(orbits[0], tmp_path / "a.nc")
+
+    def broken(*_):
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(f"rainwind.io.saved.{step}", broken)
+    with pytest.raises(ZeroDivisionError):
+        load(tmp_path / "a.nc")
+
+
+def test_a_result_that_this_version_does_not_know(equilibria, tmp_path, monkeypatch):
+    save(equilibria, tmp_path / "a.nc")
+    monkeypatch.delitem(saved._CLASSES, "Certificate")
+    with pytest.raises(InputError, match="'Certificate', which this version of rainwind does not know"):
+        load(tmp_path / "a.nc")
+
+
+@pytest.mark.filterwarnings(
+    "ignore::pytest.PytestUnraisableExceptionWarning"
+)  # h5netcdf's, of a file half open
+def test_a_file_with_changed_bytes_is_damaged_or_whole(equilibria, tmp_path):
+    path = tmp_path / "a.nc"
+    save(equilibria, path)
+    whole = path.read_bytes()
+    random = np.random.default_rng(3)
+    for _ in range(60):
+        changed = bytearray(whole)
+        at = int(random.integers(len(whole)))
+        changed[at : at + 8] = random.bytes(len(changed[at : at + 8]))
+        path.write_bytes(changed)
+        with suppress(InputError):
+            assert same(equilibria, load(path))

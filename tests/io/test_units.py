@@ -5,6 +5,7 @@ from math import isclose, pi, radians
 import pytest
 
 from rainwind.errors import InputError
+from rainwind.io import units
 from rainwind.io.units import KINDS, from_text, number, to_si, written
 
 
@@ -92,3 +93,22 @@ def test_what_is_written_reads_back_exactly(kind):
     for value in (0.1, 0.055, pi / 4, 1 / 3, 1.234567890123456, 0.002, 1e-300):
         suffix, shown = written(value, kind)
         assert to_si(shown, kind, suffix) == value
+
+
+@pytest.mark.parametrize(
+    "unit", ["m^", "m/s{", "*m", "'m'**m", "m/0", "dB**m", "mdB", "Nkgm", "..3", "m if m"]
+)
+def test_a_text_that_is_no_unit(unit: str):
+    with pytest.raises(InputError, match="write a length with its unit"):
+        from_text(f"3 {unit}", KINDS["length"])
+
+
+@pytest.mark.parametrize("what", [RuntimeError, KeyError, MemoryError])
+def test_a_fault_of_the_program_is_not_called_an_unknown_unit(what, monkeypatch: pytest.MonkeyPatch):
+    class Broken:
+        def Quantity(self, *_):  # pint's name
+            raise what
+
+    monkeypatch.setattr(units, "_registry", Broken)
+    with pytest.raises(what):
+        from_text("3 m", KINDS["length"])

@@ -39,12 +39,18 @@ _NUMBERS = tuple(f.name for f in dataclasses.fields(Orbit) if f.name not in _NOT
 def save(result: Result, path: Path | str) -> None:
     """Write a branch, a curve or an orbit to a netCDF-4 file, from which `load` gives it back complete.
 
-    A path that ends with .csv gets the table of its columns instead, which cannot be loaded again. Raises InputError
-    for what is no result and where the file cannot be written.
+    The path ends with .nc; one that ends with .csv gets the table of its columns instead, which cannot be loaded
+    again. Raises InputError for what is no result, for another ending, and where the file cannot be written.
     """
     if not isinstance(result, Result):
         raise InputError(f"a branch, a curve, an orbit or a point can be saved; got {type(result).__name__}")
-    if Path(path).suffix.lower() == ".csv":
+    ending = Path(path).suffix.lower()
+    if ending not in (".nc", ".csv"):
+        raise InputError(
+            f"{path}: '{ending}' is no ending of a file that can be written; end it with .nc, which can be loaded "
+            "again, or with .csv for a table"
+        )
+    if ending == ".csv":
         save_csv(path, table(result))
         return
     parts = _Parts()
@@ -64,7 +70,8 @@ def load(path: Path | str) -> Any:
     """The branch, curve or orbit that `save` wrote. Raises InputError for any other file, and for a damaged one."""
     if Path(path).suffix.lower() == ".csv":
         raise InputError(
-            f"{path}: a CSV file holds columns only; load the netCDF file that was saved beside it"
+            f"{path}: a CSV file holds columns only and cannot be loaded; save the result once more under a name that "
+            "ends with .nc, and load that"
         )
     foreign = f"{path}: this is no branch, curve or orbit that rainwind saved"
     damaged = f"{path}: the file is damaged; save it again"
@@ -72,7 +79,8 @@ def load(path: Path | str) -> Any:
         groups = load_netcdf(path)
     except InputError:
         raise
-    except Exception as error:  # whatever h5py and xarray say of a broken file
+    # what h5py and h5netcdf raise of a broken file: bad links, names, types and texts
+    except (LookupError, AttributeError, RuntimeError, TypeError, ValueError) as error:
         raise InputError(damaged) from error
     if "facts" not in groups or "json" not in groups["facts"]:
         raise InputError(foreign)
@@ -80,14 +88,14 @@ def load(path: Path | str) -> Any:
         facts = json.loads(str(groups["facts"]["json"].values[0]))
         if facts["format"] > FORMAT:
             raise InputError(f"{path}: written by a newer version of rainwind; install that")
-        tables = {name: {k: v.values for k, v in group.items()} for name, group in groups.items() if name}
-        if _digest(tables) != groups["facts"].attrs["digest"]:
-            raise InputError(damaged)
-        return _Read(tables).revived(facts["result"])
-    except InputError:
-        raise
-    except Exception as error:
+        kept = groups["facts"].attrs["digest"]
+    except (json.JSONDecodeError, LookupError, TypeError) as error:
         raise InputError(damaged) from error
+    tables = {name: {k: v.values for k, v in group.items()} for name, group in groups.items() if name}
+    if _digest(tables) != kept:
+        raise InputError(damaged)
+    # nothing is damaged: what fails now is a fault of the program, and is shown as one
+    return _Read(tables).revived(facts["result"])
 
 
 def table(result: Result) -> Table:
@@ -212,7 +220,7 @@ class _Read:
         if kind == "complex":
             return complex(of[0], of[1])
         if kind == "ended":
-            return Ended[of]
+            return _of_this_version(Ended.__members__, of)
         if kind == "array":
             return _array(self.arrays, f"a{of}")
         if kind == "orbit":
@@ -221,10 +229,19 @@ class _Read:
             return {key: self.revived(item) for key, item in of}
         if kind == "tuple":
             return tuple(self.revived(item) for item in of)
-        known = {f.name for f in dataclasses.fields(_CLASSES[of])}
+        kind = _of_this_version(_CLASSES, of)
+        known = {f.name for f in dataclasses.fields(kind)}
         # a field that this version no longer has is left out, one that the file lacks takes its default
         fields = {name: self.revived(item) for name, item in value["fields"].items() if name in known}
-        return _CLASSES[of](**fields)
+        return kind(**fields)
+
+
+def _of_this_version(known: Mapping[str, Any], name: str) -> Any:
+    if name not in known:
+        raise InputError(
+            f"the file holds a '{name}', which this version of rainwind does not know; install a newer one"
+        )
+    return known[name]
 
 
 def _orbits(tables: Mapping[str, Mapping[str, np.ndarray]]) -> list[Orbit]:

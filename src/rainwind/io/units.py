@@ -115,10 +115,10 @@ def from_text(text: str, kind: Kind) -> float:
     value, unit = float(parts[1]), parts[2] or ""
     if not unit:
         raise InputError(f"has no unit; {say}")
+    registry = _registry()
     try:
-        quantity = _registry().Quantity(value, _spelt_out(unit))
-    # pint raises its own errors, tokenizer's and Python's, depending on how the text is wrong
-    except Exception as error:
+        quantity = registry.Quantity(value, _spelt_out(unit))
+    except _unreadable() as error:
         raise InputError(f"has a unit '{unit}' that is not known; {_meant(unit, kind)}{say}") from error
     names = {name for name, _ in quantity.unit_items()}
     fits = any(quantity.is_compatible_with(si) for si in kind.si)
@@ -173,6 +173,17 @@ def _tidy(result: float, value: float, unit: str, kind: Kind) -> float:
 def _spelt_out(unit: str) -> str:
     # pint reads "Nms" as a number-metre and "N ms" as newton-milliseconds
     return re.sub(r"\bN\s*ms\b", "N*m*s", unit)
+
+
+@cache
+def _unreadable() -> tuple[type[Exception], ...]:
+    """What pint raises of a text that is no unit: its own errors, and Python's where it calculates with the text."""
+    import tokenize
+
+    import pint
+
+    of_python = (AssertionError, ArithmeticError, SyntaxError, TypeError, ValueError)
+    return (pint.PintError, tokenize.TokenError, *of_python)
 
 
 @cache
