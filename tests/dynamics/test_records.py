@@ -58,6 +58,16 @@ def test_derivatives_meet_at_the_knots_and_at_the_turn_of_a_period(kind, smooth)
             assert before == pytest.approx(behind, abs=1e-9)
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_where_a_period_begins_makes_no_difference(kind):
+    v = np.array([1.0, 3.0, 2.5, -1.0, 0.5, 0.7])
+    first = rw.record(np.arange(7), np.append(v, v[0]), kind, periodic=True)
+    rolled = np.roll(v, -2)
+    second = rw.record(np.arange(7), np.append(rolled, rolled[0]), kind, periodic=True)
+    t = np.linspace(0, 3.9, 40)
+    np.testing.assert_allclose(first.repeated(2).at(t + 2), second.at(t), atol=1e-13)
+
+
 def test_samples_on_one_line_are_one_piece():
     t = np.arange(0.0, 100.0, 0.1)
     v = np.interp(t, [0, 30, 60, 100], [5, 5, 11, 7])
