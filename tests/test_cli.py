@@ -150,10 +150,10 @@ def test_unusual_numbers_are_told_and_are_no_error(equilibria: list[object], cas
     text = case.read_text(encoding="utf-8")
     case.write_text(text.replace("diameter_mm = 100.0", "diameter_m = 79"), encoding="utf-8")
     out = run("check", case).out
-    assert f"{case}: [section] diameter_mm = 79000, which is unusual: usual is 40 to 400" in out
+    assert f"{case}: [section] diameter_m = 79, which is unusual: usual is 0.04 to 0.4 m" in out
     assert f"{case}: no fault, but 2 unusual numbers\n" in out
     result = run("equilibria", case)
-    assert "diameter_mm = 79000, which is unusual" in result.err
+    assert "diameter_m = 79, which is unusual" in result.err
     assert "unusual" not in result.out
 
 

@@ -279,10 +279,10 @@ def new(
 @app.command()
 def check(case: Annotated[Path, typer.Argument(metavar="CASE", help="Case file (TOML).")]) -> None:
     """Say what is wrong with a case file, every fault with its line, and which numbers are unusual."""
-    from rainwind.io.cases import read_case
+    from rainwind.io.cases import given_numbers, read_case
     from rainwind.io.usual import unusual
 
-    found = unusual(read_case(case))
+    found = unusual(read_case(case), given_numbers(case))
     for sentence in found:
         typer.echo(f"{case}: {sentence}")
     count = "1 unusual number" if len(found) == 1 else f"{len(found)} unusual numbers"
@@ -312,11 +312,11 @@ def _not_the_case(out: Path, case: Path | None) -> None:
 
 def _model(case: Path | None) -> Any:
     if case is not None:
-        from rainwind.io.cases import read_case
+        from rainwind.io.cases import given_numbers, read_case
         from rainwind.io.usual import unusual
 
         model = read_case(case)
-        for sentence in unusual(model):
+        for sentence in unusual(model, given_numbers(case)):
             typer.echo(f"{case}: {sentence}", err=True)
         return model
     typer.echo("no case file given: the paper's sample case", err=True)

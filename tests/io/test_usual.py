@@ -1,11 +1,14 @@
 """Numbers that are allowed and most likely slips of a unit: each gives one sentence, none an error."""
 
 import re
+from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
+from rainwind.cli import app
 from rainwind.io.case_files import new_case_text
-from rainwind.io.cases import model_from_text
+from rainwind.io.cases import given_numbers, model_from_text, read_case
 from rainwind.io.usual import USUAL, unusual
 from rainwind.physics import paper_model
 
@@ -58,3 +61,40 @@ def test_a_rivulet_heavier_than_the_cable_and_a_cable_heavier_than_steel():
     assert "[rivulet] mass_kg_m = 200" in mass
     assert "2.55e+04 kg/m3" in density
     assert "4 times the cable's" in share
+
+
+@pytest.mark.parametrize(
+    ("key", "line", "words"),
+    [
+        (
+            "diameter_mm",
+            "diameter_mm = 10.1",
+            "[section] diameter_mm = 10.1, which is unusual: usual is 40 to 400 mm",
+        ),
+        (
+            "diameter_mm",
+            "diameter_cm = 1.1",
+            "[section] diameter_cm = 1.1, which is unusual: usual is 4 to 40 cm",
+        ),
+        (
+            "diameter_mm",
+            'diameter = "1.1 cm"',
+            '[section] diameter = "1.1 cm", which is unusual: usual is 40 to 400 mm',
+        ),
+        (
+            "damping_percent",
+            "damping_ratio = 1",
+            "damping_ratio = 1, which is unusual: usual is 0.0001 to 0.03;",
+        ),
+        ("frequency_Hz", "frequency_Hz = 33", "[section] frequency_Hz = 33,"),
+        ("inclination_deg", "inclination_rad = 1e-3", "[section] inclination_rad = 0.001,"),
+        ("yaw_deg", "yaw_deg = -1", "[wind] yaw_deg = -1, which is unusual: usual is 0 or 2 to 180 deg"),
+    ],
+)
+def test_a_sentence_quotes_what_the_file_says(key: str, line: str, words: str, tmp_path: Path):
+    case = tmp_path / "case.toml"
+    case.write_text(with_line(key, line), encoding="utf-8")
+    sentences = unusual(read_case(case), given_numbers(case))
+    assert any(words in sentence for sentence in sentences), sentences
+    result = CliRunner().invoke(app, ["check", str(case)])
+    assert words in " ".join(result.output.split())

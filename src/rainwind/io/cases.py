@@ -19,7 +19,7 @@ from rainwind.physics.rivulet import Rivulet
 from rainwind.physics.section import CableSection
 from rainwind.physics.wind import Wind
 
-__all__ = ["model_from_text", "read_case"]
+__all__ = ["given_numbers", "model_from_text", "read_case"]
 
 _DEFAULT_SET = "reconstructed"
 _RECORDS = {"wind": Wind, "section": CableSection, "rivulet": Rivulet}
@@ -33,6 +33,18 @@ def read_case(path: Path | str) -> RivuletModel:
     """
     path = Path(path)
     return model_from_text(_text_of(path), name=str(path), folder=path.parent)
+
+
+def given_numbers(path: Path | str) -> dict[tuple[str, str], Given]:
+    """(Table, name without unit) -> what the case file at `path` gives there, as it is written. Raises CaseError."""
+    path = Path(path)
+    content = tomllib.loads(_text_of(path))
+    faults = Faults(str(path), {})
+    return {
+        (table, name): given
+        for table in TABLES
+        for name, given in read_table(table, content.get(table, {}), faults).items()
+    }
 
 
 def model_from_text(text: str, name: str = "case", folder: Path | None = None) -> RivuletModel:

@@ -3,12 +3,13 @@
 Where no source is named, the range is an engineer's judgement, chosen wide.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import pi, radians
 
+from rainwind.io.case_keys import Given
 from rainwind.io.schema import NUMBERS
-from rainwind.io.units import KINDS, Kind, written
+from rainwind.io.units import KINDS, Kind, unit_text, written
 from rainwind.physics.model import RivuletModel
 
 __all__ = ["FASTEST", "USUAL", "Range", "unusual"]
@@ -57,12 +58,15 @@ USUAL = {
 _SOLID = Range(1000.0, 10000.0, "water has 1000, solid steel 7850 kg/m3")
 
 
-def unusual(model: RivuletModel) -> list[str]:
-    """A sentence for each number of the model that is outside its usual range; none is an error."""
-    return list(_sentences(model))
+def unusual(model: RivuletModel, given: Mapping[tuple[str, str], Given] | None = None) -> list[str]:
+    """A sentence for each number of the model that is outside its usual range; none is an error.
+
+    given: (table, name) -> what a case file gives there (`given_numbers`), so that the sentences quote the file.
+    """
+    return list(_sentences(model, given or {}))
 
 
-def _sentences(model: RivuletModel) -> Iterator[str]:
+def _sentences(model: RivuletModel, given: Mapping[tuple[str, str], Given]) -> Iterator[str]:
     values = model.parameters
     section = model.section
     both = section.frequency_y == section.frequency_z
@@ -76,8 +80,8 @@ def _sentences(model: RivuletModel) -> Iterator[str]:
         key, kind = _key(table, field)
         if both and field == "frequency_y":
             key = "frequency"
-        suffix, shown = written(value, kind)
-        yield _sentence(f"[{table}] {key}_{suffix} = {shown:.6g}", usual, kind, suffix)
+        quoted, suffix = _quoted(key, value, kind, given.get((table, key)))
+        yield _sentence(f"[{table}] {quoted}", usual, kind, suffix)
     density = section.mass / (pi / 4 * section.diameter**2)
     if not _is_usual(density, _SOLID):
         yield _sentence(
@@ -103,10 +107,22 @@ def _key(table: str, field: str) -> tuple[str, Kind]:
     return next((item.name, item.kind) for item in NUMBERS if (item.table, item.field) == (table, field))
 
 
+def _quoted(key: str, value: float, kind: Kind, given: Given | None) -> tuple[str, str]:
+    """A number as it stands in the file, or as it could stand there; and the suffix of its unit."""
+    if given is None:
+        suffix, shown = written(value, kind)
+        return f"{key}_{suffix} = {shown:.6g}", suffix
+    if isinstance(given.raw, str):  # with a unit of its own
+        return f'{given.key} = "{given.raw}"', kind.preferred
+    return f"{given.key} = {given.raw!r}", given.key[len(key) + 1 :]
+
+
 def _sentence(given: str, usual: Range, kind: Kind, suffix: str) -> str:
     low, high = (_in_unit(bound, kind, suffix) for bound in (usual.low, usual.high))
     nothing = "0 or " if usual.zero else ""
-    return f"{given}, which is unusual: usual is {nothing}{low:.4g} to {high:.4g}; {usual.why}"
+    unit = unit_text(suffix) if suffix != "ratio" else ""
+    span = f"{low:.4g} to {high:.4g} {unit}".strip()
+    return f"{given}, which is unusual: usual is {nothing}{span}; {usual.why}"
 
 
 def _in_unit(value: float, kind: Kind, suffix: str) -> float:
