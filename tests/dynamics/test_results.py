@@ -8,7 +8,7 @@ import pytest
 
 import rainwind as rw
 from rainwind.dynamics import zoo
-from rainwind.dynamics.results import Certificate, kind_of_equilibrium
+from rainwind.dynamics.results import Certificate, Ended, Unexplained, kind_of_equilibrium
 
 CUSP = zoo.cusp()
 BRANCH = rw.continue_equilibria(CUSP.system, "b", start=[-2.0], until=(-5, 5), ds=0.05)
@@ -86,3 +86,35 @@ def test_all_equilibria_from_starts():
     roots = np.sort(np.roots([-1, 0, 3, 0.5]).real)
     np.testing.assert_allclose(sorted(e["x"] for e in found), roots, rtol=1e-12)
     assert [e.stable for e in sorted(found, key=lambda e: e["x"])] == [True, False, True]
+
+
+def test_a_column_that_is_not_there_names_all_that_are():
+    with pytest.raises(rw.RainwindError) as error:
+        BRANCH["zz"]
+    known = str(error.value).split("Known: ")[1].split(", ")
+    assert all(len(BRANCH[name]) == len(BRANCH) for name in known)
+    assert {"a", "b", "x"} == set(known)
+    circle = zoo.hopf()
+    (start,) = rw.continue_equilibria(circle.system, "mu", start=[0, 0], until=(-1, 1)).points()
+    orbits = rw.continue_orbits(
+        circle.system, "mu", start=start, until=(-1, 1), ds=0.5, monitors=[rw.Monitor("size", lambda orbit: orbit.amplitude["x"])]
+    )
+    with pytest.raises(rw.RainwindError) as error:
+        orbits["zz"]
+    known = str(error.value).split("Known: ")[1].split(", ")
+    assert all(len(orbits[name]) == len(orbits) for name in known)
+    assert {"mu", "period", "mesh_error", "x", "max y", "min x", "mean y", "size", "omega"} <= set(known)
+
+
+def test_an_audit_says_where_to_look_with_digits_enough_to_begin_there():
+    at = BRANCH.parameter[20]
+    gap = Unexplained((0.123456789123, 0.2), ({"a": 3.0, "b": at}, {"a": 3.0, "b": at + 1e-7}), 1)
+    (fault,) = replace(BRANCH, unexplained=(gap,)).audit()
+    first, second = fault.split("between b = ")[1].split(", arclength ")[0].split(" and ")
+    assert float(first) == pytest.approx(at, abs=1e-8)
+    assert float(second) - float(first) == pytest.approx(1e-7, abs=1e-8)
+    assert "arclength 0.1234567891 and 0.2" in fault
+    assert "a = " not in fault
+    ended = (Ended.AT_BOUND, Ended.STEP_TOO_SMALL)
+    (fault,) = replace(BRANCH, ended=ended).audit()
+    assert fault == f"Newton failed even at the smallest step, at b = {BRANCH.parameter[-1]:.10g}"

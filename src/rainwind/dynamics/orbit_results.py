@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rainwind.dynamics.collocation import Grid
-from rainwind.dynamics.results import Ended, SpecialPoint, Unexplained, pieces_between
+from rainwind.dynamics.results import Ended, SpecialPoint, Unexplained, end_in_words, pieces_between
 from rainwind.errors import InputError
 from rainwind.parameters import unknown_name
 
@@ -176,7 +176,7 @@ class OrbitBranch:
             return self.recorded[name]
         if name in self.parameters:
             return np.array([orbit.parameters[name] for orbit in self.orbits])
-        if name in ("period", "mesh_error", "liouville", "residual", "unstable"):
+        if name in _NUMBERS:
             return np.array([getattr(orbit, name) for orbit in self.orbits])
         kind, _, state = name.rpartition(" ")
         of: dict[str, Callable[[Orbit, int], float]] = {
@@ -186,8 +186,9 @@ class OrbitBranch:
             "mean": lambda orbit, k: float(orbit.grid.quadrature @ orbit.profile[:, k]),
         }
         if kind not in of or state not in self.states:
-            known = (*self.along, "period", *self.states, *(f"max {s}" for s in self.states[:1]))
-            raise unknown_name(name, known, "column")
+            of_states = (f"{kind} {s}".strip() for kind in of for s in self.states)
+            known = (*self.along, *_NUMBERS, *of_states, *(self.recorded or ()), *self.parameters)
+            raise unknown_name(name, tuple(dict.fromkeys(known)), "column")
         k = self.states.index(state)
         return np.array([of[kind](orbit, k) for orbit in self.orbits])
 
@@ -241,7 +242,12 @@ class OrbitBranch:
             if not p.certificate.holds
         ]
         faults += [str(gap) for gap in self.unexplained]
-        return faults + [end.value for end in self.ended if end in _BAD_ENDS]
+        places = [[self[k].parameters[n] for n in self.along] if len(self) else [] for k in (0, -1)]
+        return faults + [
+            end_in_words(end, self.along, at)
+            for end, at in zip(self.ended, places, strict=True)
+            if end in _BAD_ENDS
+        ]
 
     def __repr__(self) -> str:
         ranges = ", ".join(
@@ -279,6 +285,7 @@ def _value(point: OrbitPoint, name: str) -> float:
         return float("nan")
 
 
+_NUMBERS = ("period", "mesh_error", "liouville", "residual", "unstable")
 ORBIT_KINDS = (
     "lpc", "pd", "ns", "bp", "hopf",
     "cpc", "ch", "gpd", "gh", "zh", "event", "r1", "r2", "r3", "r4", "foldflip", "lpns", "pdns", "nsns",

@@ -161,8 +161,12 @@ class Unexplained:
             if self.change
             else "a test value changes sign or touches zero"
         )
+        a, b = self.parameters
+        # ten digits: a walk that looks once more can begin there
+        places = [f"{name} = {a[name]:.10g} and {b[name]:.10g}" for name in a if a[name] != b[name]]
         first, last = self.between
-        return f"between arclength {first:.6g} and {last:.6g} {what} and no label explains it"
+        where = ", ".join([*places, f"arclength {first:.10g} and {last:.10g}"])
+        return f"between {where}: {what} and no label explains it"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -218,7 +222,8 @@ class Branch:
             return self.recorded[name]
         if name in self.parameters:
             return np.full(len(self), self.parameters[name])
-        raise unknown_name(name, (*self.along, *self.states, *self.recorded), "column")
+        known = (*self.along, *self.states, *self.recorded, *self.parameters)
+        raise unknown_name(name, tuple(dict.fromkeys(known)), "column")
 
     @property
     def parameter(self) -> np.ndarray:
@@ -273,7 +278,18 @@ class Branch:
             if not p.certificate.holds
         ]
         faults += [str(gap) for gap in self.unexplained]
-        return faults + [end.value for end in self.ended if end in _BAD_ENDS]
+        places = self.free[[0, -1]] if len(self) else [(), ()]
+        return faults + [
+            end_in_words(end, self.along, at)
+            for end, at in zip(self.ended, places, strict=True)
+            if end in _BAD_ENDS
+        ]
+
+
+def end_in_words(end: Ended, along: Sequence[str], at: Sequence[float]) -> str:
+    """Why a branch ends, and where: the values of its free parameters, none for a branch without points."""
+    where = ", ".join(f"{name} = {value:.10g}" for name, value in zip(along, at, strict=False))
+    return f"{end.value}, at {where}" if where else end.value
 
 
 def pieces_between(
