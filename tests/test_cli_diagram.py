@@ -12,7 +12,7 @@ from rainwind.cli import app
 from rainwind.dynamics import zoo
 from rainwind.physics import paper_model
 from rainwind.plotting.diagram import Panel, decimals, draw_panels
-from rainwind.studies import full_diagram
+from rainwind.studies import diagram_window, full_diagram
 
 
 def run(*arguments: object, fine: int = 0) -> tuple[str, str]:
@@ -62,14 +62,58 @@ def test_along_the_damping_ratio(tmp_path: Path):
         (["--along", "wind.yaw", "--until", "0", "20"], "--until '0' has no unit; write an angle"),
         (["--until", "5", "soon"], "--until 'soon' is not a number with a unit"),
         (["--until", "20", "5"], "the first must be the smaller"),
-        (["--until", "-1", "5"], "leaves what the model allows"),
+        (
+            ["--until", "-1", "5"],
+            "-1 m/s to 5 m/s, leaves what is allowed at -1 m/s: wind.speed = -1 is not allowed",
+        ),
+        (["--until", "5 m/s", "200 m/s"], "at 200 m/s: a wind of 200 m/s; allowed is up to 100 m/s"),
+        (["--until", "5", "nan"], "must be a finite number"),
+        (
+            ["--along", "rivulet.height", "--until", "5 mm", "100 mm"],
+            "at 100 mm: a rivulet of 100 mm on a cable of 100 mm; allowed is a rivulet less high",
+        ),
+        (
+            ["--along", "section.diameter", "--until", "9 mm", "0.1 m"],
+            "at 9 mm: a rivulet of 10 mm on a cable of 9 mm",
+        ),
+        (
+            ["--along", "section.diameter", "--until", "0 mm", "0.1 m"],
+            "at 0 mm: section.diameter = 0 is not allowed",
+        ),
+        (["--along", "section.inclination", "--until", "30 deg", "95 deg"], "at 95 °: section.inclination"),
+        (["--along", "rivulet.friction", "--until", "-1 N m s", "1 N m s"], "must be 0 or more"),
     ],
 )
 def test_bad_arguments(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], words: str):
     monkeypatch.chdir(tmp_path)
-    _, err = run(*arguments, fine=2)
+    out, err = run(*arguments, fine=2)
     assert words in err
+    assert not out
+    assert "starting" not in err  # no progress bar before the error
+    assert "━" not in err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_an_unusual_window_is_told_and_is_no_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(
+        full_diagram, "compute", lambda *_, **__: (_ for _ in ()).throw(rw.RainwindError("stop"))
+    )
+    _, err = run(
+        "--along", "section.damping_ratio", "--until", "0 %", "5 %", "--out", tmp_path / "d.png", fine=1
+    )
+    assert "--until 5 %, which is unusual: usual is 0.01 to 3 %;" in err
+    assert "--until 0 %" not in err
+
+
+@pytest.mark.parametrize("end", [float("inf"), "8", None])
+def test_a_window_of_no_numbers(end: object):
+    with pytest.raises(rw.RainwindError, match="number"):
+        full_diagram.compute(paper_model(), until=(5.0, end))  # type: ignore[arg-type]
+
+
+def test_the_default_window_stays_below_the_fastest_wind(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(diagram_window, "speed_window", lambda _: (25.0, 120.0))
+    assert diagram_window.checked_window(paper_model(), "wind.speed") == (25.0, 100.0)
 
 
 def test_an_interrupt_draws_what_is_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -203,8 +203,13 @@ def diagram(
     """Compute and draw everything over wind speed: all states of rest, all vibrations, what is stable where."""
     _not_the_case(image_path(out), case)
     model = _model(case)
-    study = import_module("rainwind.studies.full_diagram")
-    window = study.window_from_text(along, until) if until else None
+    study, windows = (
+        import_module(f"rainwind.studies.{name}") for name in ("full_diagram", "diagram_window")
+    )
+    window = windows.window_from_text(along, until) if until else None
+    window = windows.checked_window(model, along, window)
+    for sentence in windows.unusual_ends(along, window):
+        typer.echo(sentence, err=True)
     make_folder(out.parent)
     announce_compilation(orbits=True)
     with progress_bar() as bar, stopping_between_steps():

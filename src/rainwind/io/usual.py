@@ -12,7 +12,7 @@ from rainwind.io.schema import NUMBERS
 from rainwind.io.units import KINDS, Kind, unit_text, written
 from rainwind.physics.model import RivuletModel
 
-__all__ = ["FASTEST", "USUAL", "Range", "unusual"]
+__all__ = ["FASTEST", "USUAL", "Range", "impossible", "unusual", "unusual_value"]
 
 FASTEST = 100.0  # m/s: no wind that a bridge has seen is faster; a number above it is a slip
 
@@ -95,6 +95,32 @@ def _sentences(model: RivuletModel, given: Mapping[tuple[str, str], Given]) -> I
             f"[rivulet] mass is {model.rivulet.mass / section.mass:.2g} times the cable's, which is unusual: "
             "a rivulet weighs a few thousandths of it"
         )
+
+
+def impossible(model: RivuletModel) -> str:
+    """What no bridge can have, though the equations could be solved for it, and what is allowed; empty if nothing."""
+    for name, what in (("speed", "a wind"), ("vertical_speed", "a vertical wind")):
+        speed = getattr(model.wind, name, 0.0)
+        if abs(speed) > FASTEST:
+            return (
+                f"{what} of {speed:g} m/s; allowed is up to {FASTEST:g} m/s; correct the number or its unit"
+            )
+    height, diameter = 1000 * model.rivulet.height, 1000 * model.section.diameter
+    if height >= diameter:
+        return (
+            f"a rivulet of {height:.6g} mm on a cable of {diameter:.6g} mm; allowed is a rivulet less high than the "
+            "cable is thick; correct either number or its unit"
+        )
+    return ""
+
+
+def unusual_value(name: str, value: float) -> str:
+    """What is usual for a parameter by its dotted name, where a value in SI is outside of that; else empty."""
+    usual = USUAL.get(name)
+    if usual is None or _is_usual(value, usual):
+        return ""
+    kind = _key(*name.split(".", 1))[1]
+    return _sentence("", usual, kind, kind.preferred)
 
 
 def _is_usual(value: float, usual: Range) -> bool:

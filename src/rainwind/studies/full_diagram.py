@@ -1,6 +1,6 @@
 """The full diagram of any cable: every equilibrium, every vibration, over wind speed or another parameter."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -11,17 +11,12 @@ from rainwind.dynamics.diagram import Progress, diagram
 from rainwind.dynamics.diagram_results import Diagram, StableRange
 from rainwind.dynamics.orbit_results import OrbitBranch
 from rainwind.dynamics.results import Branch
-from rainwind.errors import InputError
 from rainwind.io.results import Column, Table, save_csv
-from rainwind.io.schema import NUMBERS
-from rainwind.io.units import KINDS, Kind, from_text, unit_text
-from rainwind.parameters import unknown_name
 from rainwind.physics.model import RivuletModel
 from rainwind.plotting import style
 from rainwind.plotting.diagram import Panel, decimals, draw_panels
-from rainwind.studies.equilibrium_map import speed_window
+from rainwind.studies.diagram_window import SPEED, checked_window, kind_of, si, unit_of
 
-SPEED = "wind.speed"
 _UNITS = {"y": "m", "phi": "rad", "z": "m", "y_dot": "m/s", "phi_dot": "rad/s", "z_dot": "m/s"}
 _PANELS = {
     "y": Panel("y", r"amplitude of $y$ (m)", amplitude=True),
@@ -39,11 +34,8 @@ def compute(
     progress: Progress | None = None,
 ) -> Diagram:
     """The diagram; by default over the wind speeds from half the onset speed to 2.5 times it."""
-    if along not in model.parameters:
-        raise unknown_name(along, model.parameters, "parameter")
-    if until is None and along != SPEED:
-        raise InputError(f"the range of {along} has no default; say until where, two numbers")
-    return diagram(model, along, until=until or speed_window(model), mesh=mesh, progress=progress)
+    window = checked_window(model, along, until)
+    return diagram(model, along, until=window, mesh=mesh, progress=progress)
 
 
 def draw(result: Diagram, figure: Figure) -> Figure:
@@ -53,7 +45,7 @@ def draw(result: Diagram, figure: Figure) -> Figure:
     if result.along != SPEED:
         label = f"{result.along.replace('.', ': ').replace('_', ' ')} ({unit_of(kind)})".replace(" ()", "")
     panels = [panel for state, panel in _PANELS.items() if state in result.system.states]
-    return draw_panels(result, figure, panels, label=label, scale=1.0 / _si(1.0, kind), noun="vibration")
+    return draw_panels(result, figure, panels, label=label, scale=1.0 / si(1.0, kind), noun="vibration")
 
 
 def summary(result: Diagram) -> list[str]:
@@ -63,17 +55,17 @@ def summary(result: Diagram) -> list[str]:
     soft = [point for point in result.points("ns") if (getattr(point, "coefficient", None) or 0.0) < 0.0]
     kind = kind_of(result.along)
     for point in soft:
-        at = f"{point.parameter / _si(1.0, kind):.4g} {unit_of(kind)}".strip()
+        at = f"{point.parameter / si(1.0, kind):.4g} {unit_of(kind)}".strip()
         sentences.append(f"beside {at} a modulated vibration (torus) is likely: it is not computed here")
     return [*sentences, *result.audit()]
 
 
 def _sentence(result: Diagram, piece: StableRange) -> str:
     kind = kind_of(result.along)
-    low, high = (end / _si(1.0, kind) for end in (piece.low, piece.high))
+    low, high = (end / si(1.0, kind) for end in (piece.low, piece.high))
     states = [_rest(result, k, piece) for k in piece.equilibria]
     states += [words for k in piece.orbits for words in _vibrations(result, k, piece)]
-    digits = decimals((result.until[1] - result.until[0]) / _si(1.0, kind))
+    digits = decimals((result.until[1] - result.until[0]) / si(1.0, kind))
     ends = f"{low:.{digits}f}-{high:.{digits}f} {unit_of(kind)}".strip()
     return f"{ends}: {'; '.join(states) or 'nothing stable found'}"
 
@@ -139,41 +131,3 @@ def _unit(label: str, along: str) -> str:
         return kind.si[0] if kind else ""
     known = {"growth": "1/s", "period": "s"}
     return known.get(label) or _UNITS.get(label.rpartition(" ")[2], "")
-
-
-def kind_of(along: str) -> Kind | None:
-    """The kind of quantity that a parameter is."""
-    if along.startswith("section.frequency"):
-        return KINDS["frequency"]
-    return next((n.kind for n in NUMBERS if f"{n.table}.{n.field}" == along), None)
-
-
-def unit_of(kind: Kind | None) -> str:
-    """The unit in which people read it."""
-    return "" if kind is None else {"deg": "°"}.get(kind.preferred, unit_text(kind.preferred))
-
-
-def _si(value: float, kind: Kind | None) -> float:
-    if kind is None:
-        return value
-    factor, divisor = kind.suffixes[kind.preferred]
-    return value * factor / divisor
-
-
-def window_from_text(along: str, until: Sequence[str]) -> tuple[float, float]:
-    """The two ends of the range as typed, in SI: numbers with their unit, or plain ones where SI's unit is usual."""
-    kind = kind_of(along)
-    ends = []
-    for text in until:
-        try:
-            if kind is None or kind.suffixes[kind.preferred] == (1, 1):
-                try:
-                    ends.append(float(text))
-                    continue
-                except ValueError:
-                    if kind is None:
-                        raise InputError("is no number") from None
-            ends.append(from_text(text, kind))
-        except InputError as error:
-            raise InputError(f"--until '{text}' {error}") from error
-    return ends[0], ends[1]
