@@ -26,6 +26,8 @@ ONLY_IN = {
     "pint": {"io"},
 }
 
+ALSO_IN = {("xarray", f"{PACKAGE}.dynamics.trajectory")}  # `to_xarray` of a trajectory, when it is called
+
 
 def modules(source: Path) -> dict[str, Path]:
     """Dotted name -> file of every module below `source`."""
@@ -128,6 +130,7 @@ def outside_imports(source: Path) -> list[str]:
         for name, path in modules(source).items()
         for target, line in imports_of(name, path)
         if room(name) not in ONLY_IN.get(target.split(".")[0], {room(name)})
+        and (target.split(".")[0], name) not in ALSO_IN
     ]
 
 

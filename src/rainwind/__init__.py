@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from rainwind.dynamics.equilibria import find_equilibria as find_equilibria
     from rainwind.dynamics.equilibria import find_equilibrium as find_equilibrium
     from rainwind.dynamics.equilibria import walk_equilibria as walk_equilibria
+    from rainwind.dynamics.events import Crossings as Crossings
+    from rainwind.dynamics.events import Event as Event
     from rainwind.dynamics.find_orbit import find_orbit as find_orbit
     from rainwind.dynamics.monitors import Monitor as Monitor
     from rainwind.dynamics.orbit_certificates import certified as certified
@@ -36,7 +38,10 @@ if TYPE_CHECKING:
     from rainwind.dynamics.shooting import shoot as shoot
     from rainwind.dynamics.signals import Signal as Signal
     from rainwind.dynamics.signals import ramp as ramp
+    from rainwind.dynamics.simulate import simulate as simulate
     from rainwind.dynamics.system import System as System
+    from rainwind.dynamics.trajectory import RunEnded as RunEnded
+    from rainwind.dynamics.trajectory import Trajectory as Trajectory
     from rainwind.elementary import acos as acos
     from rainwind.elementary import asin as asin
     from rainwind.elementary import atan as atan
@@ -84,6 +89,9 @@ _HOME = {
     "Ended": "dynamics.results",
     "SpecialPoint": "dynamics.results",
     "find_orbit": "dynamics.find_orbit",
+    **dict.fromkeys(("Event", "Crossings"), "dynamics.events"),
+    "simulate": "dynamics.simulate",
+    **dict.fromkeys(("RunEnded", "Trajectory"), "dynamics.trajectory"),
     "shoot": "dynamics.shooting",
     "record": "dynamics.records",
     **dict.fromkeys(("Signal", "ramp"), "dynamics.signals"),

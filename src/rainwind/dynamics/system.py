@@ -20,8 +20,10 @@ class Model(Protocol):
     """The shape of a model: anything with these is a dynamical system.
 
     It may also offer `structure` (hashable: models of equal structure share a tape), `all_states(parameters)`
-    (every equilibrium, certified), `refusal(state, parameters)` (why a state may not be used, or None) and `refuses`
-    (whether `refusal` ever says anything).
+    (every equilibrium, certified), `refusal(state, parameters)` (why a state may not be used, or None), `refuses`
+    (whether `refusal` ever says anything), `limits` (name -> value(x, p), margin(x, p): what is watched along a
+    trajectory; the margin is positive where the model holds), `units` (of states and "time") and, for
+    `energy_balance`, `energy(x, p)` and `powers(x, p)` (a mapping from names to what changes the energy).
     """
 
     @property
@@ -56,6 +58,10 @@ class System:
         default=None, kw_only=True
     )
     allowed: Callable[[Mapping[str, float]], Any] = field(default=lambda changes: None, kw_only=True)
+    limits: Mapping[str, tuple[Callable[..., Any], Callable[..., Any]]] = field(
+        default_factory=dict, kw_only=True
+    )
+    units: Mapping[str, str] = field(default_factory=dict, kw_only=True)
     tape: Tape = field(default=None, kw_only=True, repr=False)  # type: ignore[assignment]  # traced below
 
     def __post_init__(self) -> None:
@@ -173,6 +179,8 @@ def as_system(model: Any) -> System:
         all_states=getattr(model, "all_states", None),
         refusal=getattr(model, "refusal", None) if getattr(model, "refuses", True) else None,
         allowed=getattr(model, "with_parameters", lambda changes: None),
+        limits=getattr(model, "limits", {}),
+        units=getattr(model, "units", {}),
         tape=tape,  # type: ignore[arg-type]
     )
     if structure is not None:

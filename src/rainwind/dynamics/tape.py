@@ -308,6 +308,42 @@ def trace(
     TraceError, naming the line of the right-hand side, for what cannot be recorded.
     """
     states, parameters = _names(states, "state"), _names(parameters, "parameter")
+
+    def derivatives(x: Named, p: Named) -> tuple[Any, ...]:
+        found = _derivatives(rhs(x, p), states)
+        if len(found) != len(states):
+            names = f"{len(states)} state{'s' * (len(states) != 1)} ({', '.join(states)})"
+            _refuse(f"rhs returned {len(found)} derivatives for {names}", _definition(rhs))
+        return found
+
+    return _recorded(derivatives, states, parameters, "rhs", _definition(rhs))
+
+
+def trace_function(
+    function: Callable[..., Any],
+    states: Sequence[str],
+    parameters: Sequence[str] | Mapping[str, float],
+    what: str,
+) -> Tape:
+    """The tape of one number that follows from states and parameters, `function(x, p)`; `what` names it in errors.
+
+    Raises TraceError as `trace` does.
+    """
+
+    def one(x: Named, p: Named) -> tuple[Any, ...]:
+        found = function(x, p)
+        if not (isinstance(found, Symbol | Real) or (isinstance(found, np.ndarray) and found.ndim == 0)):
+            raise ValueError(f"it returned {found!r}; one number is needed")
+        return (found,)
+
+    names = _names(states, "state"), _names(parameters, "parameter")
+    return _recorded(one, *names, what, _definition(function))
+
+
+def _recorded(
+    function: Callable[[Named, Named], tuple[Any, ...]], states: tuple[str, ...], parameters: tuple[str, ...],
+    what: str, where: str,
+) -> Tape:  # fmt: skip
     recorder = _Recorder(len(states) + len(parameters))
     symbols = [Symbol(recorder, ("in", i)) for i in range(recorder.inputs)]
     x = Named(states, symbols[: len(states)], "state")
@@ -315,17 +351,13 @@ def trace(
     try:
         # NumPy numbers then refuse 1/0 and overflow as Python's do
         with np.errstate(divide="raise", over="raise", invalid="raise"):
-            derivatives = _derivatives(rhs(x, p), states)
+            outputs = function(x, p)
     except RainwindError:
         raise
     except (ArithmeticError, LookupError, TypeError, ValueError) as error:
-        where = _line(_users_frame(error.__traceback__)) or _definition(rhs)
-        raise TraceError(f"rhs failed: {error}{where}") from error
-    where = _definition(rhs)
-    if len(derivatives) != len(states):
-        names = f"{len(states)} state{'s' * (len(states) != 1)} ({', '.join(states)})"
-        _refuse(f"rhs returned {len(derivatives)} derivatives for {names}", where)
-    return recorder.finish(states, parameters, [recorder.key(d, where) for d in derivatives])
+        line = _line(_users_frame(error.__traceback__)) or where
+        raise TraceError(f"{what} failed: {error}{line}") from error
+    return recorder.finish(states, parameters, [recorder.key(o, where) for o in outputs])
 
 
 def _names(given: Iterable[str], kind: str) -> tuple[str, ...]:

@@ -1,0 +1,291 @@
+"""One trajectory: a start, a duration, parameters that may follow signals, events; the engine is chosen by cost."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from rainwind.dynamics.drive import Drive, drive
+from rainwind.dynamics.engines import Choice
+from rainwind.dynamics.events import Crossings, Event, Function, Watch, checked, joined
+from rainwind.dynamics.pieces import Pieces
+from rainwind.dynamics.pieces import joined as joined_pieces
+from rainwind.dynamics.signals import Signal
+from rainwind.dynamics.system import System, as_system, number
+from rainwind.dynamics.trajectory import Excursion, RunEnded, Trajectory
+from rainwind.errors import InputError, is_interrupt
+from rainwind.parameters import unknown_name
+
+Progress = Callable[[int, int, str], None]
+TOLERANCES = (1e-15, 1e-2)
+_WIND = "wind.speed"
+_TURN = 2.0 * np.pi
+
+
+def simulate(
+    model: Any,
+    start: Any,
+    *,
+    duration: float,
+    wind: float | Signal | None = None,
+    parameters: Mapping[str, float | Signal] | None = None,
+    tolerance: float = 1e-9,
+    events: Event | Sequence[Event] = (),
+    method: Literal["auto", "taylor", "rosenbrock"] = "auto",
+    most_steps: int = 1_000_000,
+    progress: Progress | None = None,
+) -> Trajectory:
+    """Follow a system from t = 0 over a duration.
+
+    start: a state by name (states left out are zero) or in order, an equilibrium, a labelled point, an orbit (its
+    phase 0) or a trajectory (its end). parameters: values that replace the model's own; a `Signal` makes one a function
+    of time, on whose knots steps stop, and must cover the whole duration. wind: short for the parameter "wind.speed".
+    tolerance: of each step, relative to the size that each state has had, 1e-15 to 1e-2. method: "taylor" for smooth
+    runs, "rosenbrock" for stiff ones, "auto" takes what costs less and looks again on the way.
+    progress(done, total, what) is called often.
+    A run that cannot go on, or Ctrl-C, gives what there is up to then: `run.ended` says why.
+    Raises InputError for anything that makes no sense, a start where a model refuses its coefficients among it.
+    """
+    system = as_system(model)
+    if not number(duration, "duration") > 0.0:
+        raise InputError(f"duration = {duration!r}: give a positive time")
+    low, high = TOLERANCES
+    if not low <= number(tolerance, "tolerance") <= high:
+        raise InputError(f"tolerance = {tolerance!r}: give a number from {low:g} to {high:g}")
+    if method not in ("auto", "taylor", "rosenbrock"):
+        raise InputError(f"method = {method!r}: choose auto, taylor or rosenbrock")
+    if isinstance(most_steps, bool) or not isinstance(most_steps, int) or most_steps < 1:
+        raise InputError(f"most_steps = {most_steps!r}: give a whole number of 1 or more")
+    duration = float(duration)
+    given = _parameters(system, parameters, wind)
+    signals = {name: value for name, value in given.items() if isinstance(value, Signal)}
+    driven = _drive(system, signals, duration)
+    fixed = {name: value for name, value in given.items() if not isinstance(value, Signal)}
+    fixed |= {name: float(signal.at(0.0)) for name, signal in signals.items()}
+    if fixed:
+        system.allowed(fixed)
+        system = system.with_parameters(fixed)
+    x = _start(system, start)
+    if system.refusal is not None:
+        reason = system.refusal(x, system.parameters)
+        if reason is not None:
+            raise InputError(f"the run cannot start here: {reason}")
+    run = _Run(system, driven, x, duration, float(tolerance), checked(events), method, most_steps, progress)
+    run.go()
+    return run.trajectory()
+
+
+def _parameters(
+    system: System, given: Mapping[str, float | Signal] | None, wind: float | Signal | None
+) -> dict[str, float | Signal]:
+    if given is not None and not isinstance(given, Mapping):
+        raise InputError(f"parameters go by name, for example {{'a': 1.0}}; got {given!r}")
+    found = dict(given or {})
+    if wind is not None:
+        if _WIND not in system.parameters:
+            raise InputError(
+                f"this model has no parameter '{_WIND}', so it takes no wind; give what varies by its own name, "
+                f"parameters={{name: ...}}. Known: {', '.join(system.parameters) or 'none'}"
+            )
+        if _WIND in found:
+            raise InputError(f"wind and parameters['{_WIND}'] are the same thing; give one of them")
+        found[_WIND] = wind
+    for name, value in found.items():
+        if name not in system.parameters:
+            raise unknown_name(name, system.parameters, "parameter")
+        if not isinstance(value, Signal):
+            found[name] = number(value, f"parameter '{name}'")
+    return found
+
+
+def _drive(system: System, signals: Mapping[str, Signal], duration: float) -> Drive:
+    for name, signal in signals.items():
+        if signal.since > 0.0 or signal.until < duration:
+            raise InputError(
+                f"the signal of '{name}' is given from {signal.since:g} to {signal.until:g}, the run goes from 0 to "
+                f"{duration:g}; shorten the run, or lengthen the signal (.then, .repeated, .shifted)"
+            )
+    found = drive(signals, {name: system.number(name) for name in signals}, duration)
+    for i, name in enumerate(signals):
+        for value in Signal(found.pieces.times, found.pieces.coefficients[:, i]).extremes():
+            try:
+                system.allowed({name: value})
+            except InputError as error:
+                raise InputError(f"the signal of '{name}' reaches {value:.6g}: {error}") from None
+    return found
+
+
+def _start(system: System, start: Any) -> np.ndarray:
+    names = getattr(start, "states", None)
+    if names is None:
+        if isinstance(start, Mapping) and not start:
+            raise InputError(f"start = {{}} names no state; give some of {', '.join(system.states)}")
+        return system.state(start)
+    if tuple(names) != system.states:
+        raise InputError(
+            f"start has the states {', '.join(names)}, the model has {', '.join(system.states)}; "
+            "give a point of this model"
+        )
+    for attribute in ("end", "state", "profile"):
+        found = getattr(start, attribute, None)
+        if found is not None:
+            return system.state(found[0] if np.ndim(found) == 2 else found)
+    raise InputError(f"start = {start!r} has no state; give numbers, a mapping, an equilibrium or an orbit")
+
+
+@dataclass(eq=False)
+class _Run:
+    """A run under way: what has been done so far, and what is watched."""
+
+    system: System
+    driven: Drive
+    x: np.ndarray
+    duration: float
+    tolerance: float
+    events: tuple[Event, ...]
+    method: str
+    most_steps: int
+    progress: Progress | None
+
+    def __post_init__(self) -> None:
+        self.t, self.sizes = 0.0, np.abs(self.x)
+        self.parts: list[Pieces] = []
+        self.ended, self.note = RunEnded.DURATION, ""
+        self.engines = Choice(self.system, self.driven, self.tolerance, self.duration, self.method)
+        limits = [
+            Event(name, margin, -1 if self.system.refusal is not None else 0, self.system.refusal is not None)
+            for name, (_, margin) in self.system.limits.items()
+        ]
+        self.watched = [self._watch(event) for event in (*self.events, *limits)]
+        self.found: list[list[Crossings]] = [[] for _ in self.watched]
+        self.start = self.x.copy()
+
+    def go(self) -> None:
+        """Block after block to the end, or to where it cannot go on."""
+        try:
+            while self.t < self.duration and self.ended is RunEnded.DURATION:
+                self.block()
+                if self.progress is not None:
+                    share = round(1000 * self.t / self.duration)
+                    self.progress(share, 1000, f"t = {self.t:.4g} of {self.duration:.4g}")
+        except (KeyboardInterrupt, SystemError) as error:
+            if not is_interrupt(error):
+                raise
+            self.ended = RunEnded.INTERRUPTED
+
+    def block(self) -> None:
+        """One block of steps, cut at the first terminal event in it."""
+        left = self.most_steps - sum(len(part) for part in self.parts)
+        if left <= 0:
+            self.ended = RunEnded.TOO_MANY_STEPS
+            self.note = f"{self.most_steps} steps; give most_steps more"
+            return
+        x, sizes = self.x.copy(), self.sizes.copy()
+        pieces, why = self.engines.advance(self.t, x, sizes, self.duration, left)
+        driven = self.driven.on(pieces.times)
+        found = [watch.crossings(pieces, driven, x) for watch in self.watched]
+        terminal = [
+            (crossings.times[0], i)
+            for i, (watch, crossings) in enumerate(zip(self.watched, found, strict=True))
+            if watch.event.terminal and len(crossings)
+        ]
+        if terminal:
+            t, i = min(terminal)
+            pieces, found = pieces.until(t), [crossings.before(t) for crossings in found]
+            x, why = found[i].state[0], None
+            self.ended = RunEnded.EVENT if i < len(self.events) else RunEnded.LEFT_VALIDITY
+            self.note = self._where(i, t, x)
+        # all of it at once: an interrupt leaves whole blocks
+        self.parts, self.found = (
+            [*self.parts, pieces],
+            [[*a, b] for a, b in zip(self.found, found, strict=True)],
+        )
+        self.t, self.x, self.sizes = float(pieces.times[-1]), x, sizes
+        if why is not None:
+            self.ended = RunEnded.RAN_AWAY if self._grew() else why
+            state = ", ".join(f"{n} = {v:.5g}" for n, v in zip(self.system.states, x, strict=True))
+            self.note = f"at t = {self.t:.6g}, {state}"
+
+    def _grew(self) -> bool:
+        """Whether a run that cannot go on was growing without bound: in its last tenth a thousandfold."""
+        pieces = joined_pieces(self.parts)
+        early = pieces.times[:-1] <= 0.9 * self.t
+        largest = np.abs(pieces.coefficients[early, :, 0]).max(axis=0, initial=0.0)
+        return bool(np.any(np.abs(self.x) > 1e3 * np.maximum(largest, 1e-300)))
+
+    def trajectory(self) -> Trajectory:
+        """What has been done so far."""
+        n = len(self.system.states)
+        pieces = joined_pieces(self.parts) if self.parts else Pieces(np.zeros(1), np.zeros((0, n, 1)))
+        found = [joined(parts) if parts else None for parts in self.found]
+        many = len(self.events)
+        return Trajectory(
+            states=self.system.states,
+            parameters=dict(self.system.parameters),
+            start=self.start,
+            end=self.x,
+            pieces=pieces,
+            ended=self.ended,
+            tolerance=self.tolerance,
+            note=self.note,
+            events={e.name: f for e, f in zip(self.events, found[:many], strict=True) if f is not None},
+            outside=self._excursions(found[many:]),
+            driven_names=self.driven.names,
+            driven=Pieces(pieces.times, self.driven.on(pieces.times)) if self.driven.names else None,
+            turning=_turning(self.system, self.start),
+            units=dict(self.system.units),
+            steps=self.engines.steps,
+        )
+
+    def _watch(self, event: Event) -> Watch:
+        function = self._function(event.function, f"event '{event.name}'")
+        return Watch(event, self.system.states, function)
+
+    def _function(self, function: Callable[..., Any], what: str) -> Function:
+        return Function(function, self.system.states, self.system.parameters, self.driven.names, what)
+
+    def _where(self, i: int, t: float, x: np.ndarray) -> str:
+        event = self.watched[i].event
+        state = ", ".join(f"{n} = {v:.5g}" for n, v in zip(self.system.states, x, strict=True))
+        if i < len(self.events):
+            return f"'{event.name}' at t = {t:.9g}, {state}"
+        return f"{event.name} = {self._limited(event.name, t, x):.5g} at t = {t:.9g}, {state}"
+
+    def _limited(self, name: str, t: float, x: np.ndarray) -> float:
+        """The value of what is limited."""
+        function = self._function(self.system.limits[name][0], name)
+        driven = self.driven.pieces.at(t)[None] if self.driven.names else np.zeros((1, 0))
+        return float(function.at(x[None], driven)[0])
+
+    def _excursions(self, found: Sequence[Crossings | None]) -> tuple[Excursion, ...]:
+        excursions = []
+        for (name, (_, margin)), crossings in zip(self.system.limits.items(), found, strict=True):
+            if crossings is None:
+                continue
+            driven = self.driven.pieces.at(0.0)[None] if self.driven.names else np.zeros((1, 0))
+            outside = self._function(margin, name).at(self.start[None], driven)[0] < 0.0
+            leaving = [(0.0, self.start)] if outside else []
+            leaving += list(zip(crossings.of(-1).times.tolist(), crossings.of(-1).state, strict=True))
+            back = [*crossings.of(1).times.tolist(), self.t][: len(leaving)]
+            excursions += [
+                Excursion(name, self._limited(name, t, x), x, t, until)
+                for (t, x), until in zip(leaving, back, strict=True)
+                if until > t
+            ]
+        return tuple(sorted(excursions, key=lambda one: one.since))
+
+
+def _turning(system: System, x: np.ndarray) -> tuple[str, ...]:
+    """The states in which the system is 2-pi-periodic: tried at the start and some states around it."""
+    scale = np.maximum(np.abs(x), 0.1)
+    points = x + np.random.default_rng(1).uniform(-1.0, 1.0, (6, x.size)) * scale
+    f, slopes = system.f(points), np.abs(system.jacobian(points)).max(axis=(0, 1))
+    found = []
+    for i, name in enumerate(system.states):
+        moved = system.f(points + _TURN * np.eye(x.size)[i])
+        if np.all(np.isfinite(moved)) and slopes[i] > 0.0:
+            same = np.abs(moved - f) <= 1e-10 * (np.abs(f) + np.abs(f).max())
+            if np.all(same):
+                found.append(name)
+    return tuple(found)
