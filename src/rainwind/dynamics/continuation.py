@@ -102,6 +102,7 @@ class Walk:
     def _plain(self) -> Iterator[Any]:
         node, step = self.start, self.ds
         bend = np.zeros_like(node.u)  # the tangent's turn per length of the step before
+        adapting: Any = self.problem if isinstance(self.problem, Adapting) else None
         while True:
             problem = self.problem
             predicted = node.u + step * (node.tangent + 0.5 * step * bend) * problem.scale
@@ -130,8 +131,9 @@ class Walk:
             yield new
             step = kernel.next_step(step, new.iterations, cosine, self.ds)
             node = new
-            if isinstance(problem, Adapting):
-                self.problem, node, bend = problem.adapted(node, bend)
+            if adapting is not None:
+                adapting, node, bend = adapting.adapted(node, bend)
+                self.problem = adapting
 
     def _stopped_at_bound(self, a: Any, b: Any) -> tuple[Any | None, Ended]:
         """The node on the bound between a and b, which lies outside the window; None where a is on the bound.

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -10,11 +9,11 @@ from numpy.typing import NDArray
 
 from rainwind.dynamics.collocation import Grid
 from rainwind.dynamics.continuation import zero_between
-from rainwind.dynamics.inspection import Changes, Inspector, Probe, pace
+from rainwind.dynamics.inspection import Changes, Inspector, Probe
 from rainwind.dynamics.kernels import chain
 from rainwind.dynamics.kernels import collocation as kernel
 from rainwind.dynamics.kernels.exponents import matched
-from rainwind.dynamics.kernels.screening import hasty
+from rainwind.dynamics.kernels.screening import hasty_intervals
 from rainwind.dynamics.orbit_conditions import (
     Condition,
     adjoint,
@@ -66,22 +65,21 @@ class OrbitInspector(Inspector):
         unexplained: list[Unexplained] = []
         if len(nodes) < 2:
             return points, unexplained
-        probes = [Probe(nodes[0], self.watch(nodes[0]), np.zeros(0))]
+        watched = [self.watch(nodes[0])]
         for node in nodes[1:]:
-            probes.append(Probe(node, self.watched(probes[-1].watched, node), np.zeros(0)))
-        paces = [pace(a, b) for a, b in pairwise(probes)]
-        continuous = np.array(self.continuous)
-        last = len(paces) - 1
-        for i, (a, b) in enumerate(pairwise(probes)):
-            # the pace just before the interval and just after it
-            a, b = replace(a, pace=paces[max(i - 1, 0)]), replace(b, pace=paces[min(i + 1, last)])
-            length = b.node.arclength - a.node.arclength
-            changed = np.any((a.values > 0) != (b.values > 0))
-            if changed or hasty(a.values, b.values, np.maximum(a.pace, b.pace), length, continuous):
-                here = self.on(b.node.grid)  # type: ignore[attr-defined]
-                a = here.on_grid(a)
-                if a is not None:
-                    here.explain(a, b, points, unexplained)
+            watched.append(self.watched(watched[-1], node))
+        values = np.hstack([np.real(watched), [node.tests for node in nodes]])
+        arclength = np.array([node.arclength for node in nodes])
+        pace = np.abs(np.diff(values, axis=0)) / np.maximum(np.abs(np.diff(arclength)), 1e-300)[:, None]
+        # the pace just before each interval and just after it
+        before, after = np.vstack([pace[:1], pace[:-1]]), np.vstack([pace[1:], pace[-1:]])
+        flags = np.any((values[1:] > 0) != (values[:-1] > 0), axis=1)
+        flags |= hasty_intervals(values, np.maximum(before, after), arclength, np.array(self.continuous))
+        for i in np.flatnonzero(flags).tolist():
+            here = self.on(nodes[i + 1].grid)
+            a = here.on_grid(Probe(nodes[i], watched[i], before[i]))
+            if a is not None:
+                here.explain(a, Probe(nodes[i + 1], watched[i + 1], after[i]), points, unexplained)
         return sorted(points, key=lambda p: p.arclength), sorted(unexplained, key=lambda u: u.between)
 
     def on(self, grid: Grid) -> "OrbitInspector":

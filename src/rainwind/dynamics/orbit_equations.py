@@ -103,8 +103,9 @@ class OrbitEquations:
         return {k - len(bounds) - self.extras: bound for k, bound in enumerate(bounds)}
 
     def tangent_parameters(self, node: Node) -> np.ndarray:
-        """Derivatives of the free parameters by arclength (q,)."""
-        return self.parts(node.tangent * self.scale)[2]
+        """Derivatives of the free parameters by arclength (q,), whatever the grid."""
+        last = node.tangent.size - self.extras
+        return node.tangent[last - len(self.along) : last] * self.parameter_units
 
     def orbit(self, node: OrbitNode) -> Orbit:
         """A node as a result."""
@@ -138,10 +139,12 @@ class OrbitEquations:
         self.recent[:] = [other, *self.recent[:3]]
         return other
 
-    def moved(self, vector: np.ndarray, grid: Grid) -> np.ndarray:
-        """Unknowns of this grid (or a change of them) as unknowns on another grid."""
-        profile = self.grid.at(self.profile(vector), grid.nodes)
-        return np.concatenate([profile.ravel(), vector[self.profile_size :]])
+    def moved(self, vectors: np.ndarray, grid: Grid) -> np.ndarray:
+        """Unknowns (..., len) of this grid (or changes of them) as unknowns on another grid."""
+        several, size = vectors.shape[:-1], self.profile_size
+        profiles = np.moveaxis(vectors[..., :size].reshape(*several, -1, self.n), -2, 0)
+        found = np.moveaxis(self.grid.at(profiles, grid.nodes), 0, -2)
+        return np.concatenate([found.reshape(*several, -1), vectors[..., size:]], axis=-1)
 
     def adapted(self, node: OrbitNode, bend: np.ndarray) -> tuple["OrbitEquations", OrbitNode, np.ndarray]:
         """Every few steps the orbit on a grid that spreads its error evenly, with more intervals where it must."""
@@ -155,11 +158,10 @@ class OrbitEquations:
             many = max(int(many / 1.5), self.mesh.intervals)
         grid = self.grid.adapted(x, np.maximum(1.0, np.abs(x).max(axis=0)), many)
         other = self.on(grid)
-        u = self.moved(node.u, grid)
-        tangent = self.moved(node.tangent * self.scale, grid) / other.scale
-        bend = self.moved(bend * self.scale, grid) / other.scale
+        u, tangent, bend = self.moved(np.stack([node.u, node.tangent * self.scale, bend * self.scale]), grid)
+        tangent = tangent / other.scale
         tangent /= np.linalg.norm(tangent)
-        return other, replace(node, u=u, tangent=tangent, grid=grid, age=0), bend
+        return other, replace(node, u=u, tangent=tangent, grid=grid, age=0), bend / other.scale
 
     # -- the equations ----------------------------------------------------------------------------------------------
 

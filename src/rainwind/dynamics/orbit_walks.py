@@ -174,13 +174,13 @@ def joined(kind: str, route: Route, halves: list[Half], first: Ended, extra: lis
     forward = halves[-1]
     nodes, orbits = list(forward.nodes), list(forward.orbits)
     lengths = [node.arclength for node in nodes]
-    rates = [problem.on(node.grid).tangent_parameters(node) for node in nodes]
+    rates = [problem.tangent_parameters(node) for node in nodes]
     points, gaps = extra + list(forward.points), list(forward.gaps)
     if len(halves) == 2:
         back = halves[0]
         orbits = back.orbits[:0:-1] + orbits
         lengths = [-node.arclength for node in back.nodes[:0:-1]] + lengths
-        rates = [-problem.on(node.grid).tangent_parameters(node) for node in back.nodes[:0:-1]] + rates
+        rates = [-problem.tangent_parameters(node) for node in back.nodes[:0:-1]] + rates
         points = [replace(p, arclength=-p.arclength) for p in back.points] + points
         gaps = [
             replace(
@@ -239,7 +239,7 @@ def back_at_start(problem: OrbitEquations, a: OrbitNode, b: OrbitNode, start: Or
     """Whether the walk passes its start between a and b: CLOSED in the start's direction, else REVISITED."""
     if not _passes(problem, a, b, start):
         return None
-    rates = [problem.on(node.grid).tangent_parameters(node) for node in (start, b)]
+    rates = [problem.tangent_parameters(node) for node in (start, b)]
     return Ended.CLOSED if float(rates[0] @ rates[1]) >= 0.0 else Ended.REVISITED
 
 
