@@ -94,7 +94,7 @@ def test_l_stable():
     assert max(on_axis) <= 1 + 1e-12
     assert abs(stability(-1e9)) < 1e-6
     # the stages are stiffly accurate: the solution is the last stage's
-    assert (WEIGHTS @ GAMMA) == pytest.approx(BETA[7], abs=1e-12)
+    assert pytest.approx(BETA[7], abs=1e-12) == (WEIGHTS @ GAMMA)
 
 
 # ---- convergence
@@ -126,7 +126,7 @@ def test_a_driven_decay_keeps_its_order(rate):
     """x' = -k (x - u) + u' from x = u(0): x = u for a cubic u, whatever k."""
     u = rw.Signal(np.array([0.0, 1.0, 3.0]), np.array([[1.0, 2.0, -1.5, 0.4], [1.9, 0.2, 0.7, -0.3]]))
     slope = rw.Signal(u.knots, np.array([[2.0, -3.0, 1.2], [0.2, 1.4, -0.9]]))
-    system = rw.System(lambda x, p: -p.k * (x.x - p.u) + p.v, "x", {"k": rate, "u": 0.0, "v": 0.0})
+    system = rw.System(lambda x, p: -p.k * (x.x - p.u) + p.v, ("x",), {"k": rate, "u": 0.0, "v": 0.0})
     run = rw.simulate(
         system, [1.0], duration=3.0, parameters={"u": u, "v": slope}, tolerance=1e-9, method="rosenbrock"
     )
@@ -138,7 +138,7 @@ def test_a_driven_decay_keeps_its_order(rate):
 
 def test_a_ramp_has_its_closed_form():
     """x' = u - x, u = t up to t = 2, then 2."""
-    system = rw.System(lambda x, p: p.u - x.x, "x", {"u": 0.0})
+    system = rw.System(lambda x, p: p.u - x.x, ("x",), {"u": 0.0})
     run = rw.simulate(
         system, [1.0], duration=5.0, parameters={"u": rw.ramp(0, 2, 2)}, tolerance=1e-11, method="rosenbrock"
     )
