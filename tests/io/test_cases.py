@@ -39,6 +39,8 @@ def test_every_line_of_the_example_says_what_it_is():
         ("yaw_deg", "yaw_rad = 0.25", "wind.yaw", 0.25),
         ("yaw_deg", "yaw_deg = 45", "wind.yaw", radians(45)),
         ("yaw_deg", "", "wind.yaw", 0.0),
+        ("yaw_deg", "vertical_speed_km_h = -3.6", "wind.vertical_speed", -1.0),
+        ("yaw_deg", "", "wind.vertical_speed", 0.0),
         ("density_kg_m3", "", "wind.density", 1.225),
         ("diameter_mm", 'diameter = "12 cm"', "section.diameter", 0.12),
         ("frequency_Hz", "frequency_Hz = 1\nfrequency_z_Hz = 2", "section.frequency_z", 2.0),

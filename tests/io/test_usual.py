@@ -47,6 +47,11 @@ def test_every_range_has_a_reason_and_is_of_a_parameter():
         ("height_mm", "height_mm = 50", "[rivulet] height_mm = 50"),
         ("friction_Nms", "friction_Nms = 50", "[rivulet] friction_Nms = 50"),
         ("speed_m_s", "speed_m_s = 60", "[wind] speed_m_s = 60"),
+        (
+            "yaw_deg",
+            "vertical_speed_m_s = -20",
+            "[wind] vertical_speed_m_s = -20, which is unusual: usual is 0 or 0.01 to 10",
+        ),
         ("density_kg_m3", "density_kg_m3 = 1225", "[wind] density_kg_m3 = 1225"),
     ],
 )

@@ -126,14 +126,14 @@ def _record(table: str, values: dict[str, Given], faults: Faults) -> Any:
 
 def _check_possible(values: dict[str, dict[str, Given]], records: dict[str, Any], faults: Faults) -> None:
     """What no bridge can have, though the equations could be solved for it."""
-    speed = values["wind"].get("speed")
-    if speed is not None and speed.value > FASTEST:
-        faults.add(
-            f"{speed.key} = {speed.raw!r} is {speed.value:g} m/s; allowed is up to {FASTEST:g} m/s; correct the "
-            "number or its unit",
-            "wind",
-            speed.key,
-        )
+    for speed in (values["wind"].get("speed"), values["wind"].get("vertical_speed")):
+        if speed is not None and abs(speed.value) > FASTEST:
+            faults.add(
+                f"{speed.key} = {speed.raw!r} is {speed.value:g} m/s; allowed is up to {FASTEST:g} m/s; correct the "
+                "number or its unit",
+                "wind",
+                speed.key,
+            )
     section, rivulet = records["section"], records["rivulet"]
     if section is not None and rivulet is not None and rivulet.height >= section.diameter:
         height = values["rivulet"]["height"]

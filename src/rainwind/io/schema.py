@@ -70,6 +70,17 @@ NUMBERS = (
         f"rho of air at 15 C, {_TYPICAL}",
         required=False,
     ),
+    Number(
+        "wind",
+        "vertical_speed",
+        "vertical_speed",
+        KINDS["speed"],
+        0.0,
+        f"w, positive upwards; {_TYPICAL}; 0 if left out",
+        required=False,
+        shown=False,
+        zero_if_left_out=True,
+    ),
     Number("section", "diameter", "diameter", KINDS["length"], 0.1, f"d; {_SAMPLE}"),
     Number("section", "mass", "mass", KINDS["mass per length"], 50.0, f"m_S; {_SAMPLE}"),
     Number(

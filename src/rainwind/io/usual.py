@@ -38,6 +38,9 @@ USUAL = {
         radians(2.0), pi, f"a smaller one is most likely meant in radians ({_JUDGED})", zero=True
     ),
     "wind.density": Range(0.9, 1.5, "air from 2500 m height to the sea, -30 to 40 C", zero=True),
+    "wind.vertical_speed": Range(
+        0.01, 10.0, f"turbulence has some tenths of the wind speed, a slope no more ({_JUDGED})", zero=True
+    ),
     "section.diameter": Range(0.04, 0.4, f"stay cables measure 80 to 300 mm ({_JUDGED})"),
     "section.mass": Range(3.0, 400.0, f"steel strands in a pipe of that diameter ({_JUDGED})"),
     "section.frequency_y": _FREQUENCY,

@@ -11,10 +11,16 @@ GRAVITY = 9.81
 
 
 class Letters(NamedTuple):
-    """The letters of eqs. (1) to (4) at given parameters: numbers or tape symbols."""
+    """The letters of eqs. (1) to (4) at given parameters: numbers or tape symbols.
+
+    u_n: of the horizontal wind, as in the paper; u_z, u_up: of all wind in the section's plane, along z and
+    along -y. Without vertical wind they are u_n and 0.
+    """
 
     rho: Any
     u_n: Any
+    u_z: Any
+    u_up: Any
     beta: Any
     d: Any
     r: Any
@@ -36,13 +42,18 @@ def letters(p: Mapping[str, Any], *, ratio_y_apart: bool, ratio_z_apart: bool) -
     """The letters from the parameters p; `_apart`: p has a damping ratio of its own for that direction."""
     gamma, delta = p["wind.yaw"], p["section.inclination"]
     normal = sqrt(cos(gamma) * cos(gamma) + sin(gamma) * sin(gamma) * (sin(delta) * sin(delta)))
+    u_n = p["wind.speed"] * normal
+    # the vertical wind's part in the section's plane, turned by beta: cos(beta) = cos(gamma) / normal
+    lifting = p["wind.vertical_speed"] * cos(delta) / normal
     m_s, f_y, f_z = p["section.mass"], p["section.frequency_y"], p["section.frequency_z"]
     follows = "section.damping_ratio"
     xi_y = p["section.damping_ratio_y" if ratio_y_apart else follows]
     xi_z = p["section.damping_ratio_z" if ratio_z_apart else follows]
     return Letters(
         rho=p["wind.density"],
-        u_n=p["wind.speed"] * normal,
+        u_n=u_n,
+        u_z=u_n + lifting * (sin(gamma) * sin(delta)),
+        u_up=lifting * cos(gamma),
         # eq. (1), with atan2 so that it also holds beyond 90 degrees
         beta=atan2(sin(gamma) * sin(delta), cos(gamma)),
         d=p["section.diameter"],

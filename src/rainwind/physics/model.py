@@ -57,6 +57,11 @@ class RivuletModel:
                 "the wind blows along the cable, so that no wind meets the section (wind.yaw 90 degrees and "
                 "section.inclination 0); change either angle"
             )
+        if self.angle == "linear" and self.letters(self.parameters).u_z <= 0:
+            raise InputError(
+                f"wind.vertical_speed = {self.wind.vertical_speed:g} turns the flow around the section back, where "
+                "angle='linear' means nothing; take a smaller one, or angle='arctan'"
+            )
 
     @property
     def states(self) -> tuple[str, ...]:
@@ -136,12 +141,14 @@ class RivuletModel:
         """All equilibria, on the whole circle, sorted by phi; `parameters` overrides some of the model's own.
 
         The result reads like an array of shape (k, n), and says whether it is certified to be complete.
-        phi lies in (-pi/2, 3 pi/2] with outside="blend", in (-pi, pi] with "extend" and "refuse"; with
-        "refuse", those outside the valid range are left out. Raises InputError for unknown names.
-        Source: Peil & Nahrath (2003), section 4.1, eq. (6).
+        phi lies in (-pi/2, 3 pi/2] with outside="blend", -alpha in (-pi, pi] with "extend" and "refuse" (without
+        vertical wind -alpha is phi); with "refuse", those outside the valid range are left out. Raises InputError
+        for unknown names. Source: Peil & Nahrath (2003), section 4.1, eq. (6).
         """
         at = self.letters(self._merged(parameters))
-        return find_all_equilibria(at, self.coefficients, self.outside, self.degrees_of_freedom)
+        alpha_v, u_rel_squared = self._inflow(at, 0.0, 0.0, 0.0, 0.0)
+        inflow = float(alpha_v), float(u_rel_squared)
+        return find_all_equilibria(at, inflow, self.coefficients, self.outside, self.degrees_of_freedom)
 
     @property
     def refuses(self) -> bool:
@@ -183,17 +190,20 @@ class RivuletModel:
         return y, phi, z, y_dot, phi_dot, z_dot
 
     def _inflow(self, at: Letters, phi: Any, y_dot: Any, phi_dot: Any, z_dot: Any) -> tuple[Any, Any]:
-        """alpha_v and U_rel² of eq. (3): the wind relative to the moving rivulet."""
-        upward = y_dot + at.r * phi_dot * sin(phi)
-        if self.angle == "linear" and self.relative_speed == "wind":
-            return upward / at.u_n, at.u_n * at.u_n
-        onward = at.u_n - z_dot + at.r * phi_dot * cos(phi)
-        alpha_v = upward / at.u_n if self.angle == "linear" else atan2(upward, onward)
+        """alpha_v and U_rel² of eq. (3): the wind relative to the moving rivulet.
+
+        The vertical wind adds u_up to the upward part and u_z - U_n to the onward one.
+        """
+        upward = y_dot + at.r * phi_dot * sin(phi) + at.u_up
         # U_rel = U_n in the paper: velocities of the cable stay far below it
-        u_rel_squared = (
-            at.u_n * at.u_n if self.relative_speed == "wind" else upward * upward + onward * onward
-        )
-        return alpha_v, u_rel_squared
+        u_squared = at.u_z * at.u_z + at.u_up * at.u_up
+        if self.angle == "linear" and self.relative_speed == "wind":
+            return upward / at.u_z, u_squared
+        onward = at.u_z - z_dot + at.r * phi_dot * cos(phi)
+        alpha_v = upward / at.u_z if self.angle == "linear" else atan2(upward, onward)
+        if self.relative_speed == "full":
+            u_squared = upward * upward + onward * onward
+        return alpha_v, u_squared
 
     def _wind_forces(
         self, at: Letters, phi: Any, y_dot: Any, phi_dot: Any, z_dot: Any

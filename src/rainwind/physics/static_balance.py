@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from rainwind.elementary import sin
+from rainwind.elementary import cos, sin
 from rainwind.physics.coefficients import CoefficientSet, Outside
 from rainwind.physics.intervals import Box
 from rainwind.physics.letters import Letters
@@ -53,25 +53,33 @@ class Equilibria:
 
 
 def find_all_equilibria(
-    at: Letters, coefficients: CoefficientSet, outside: Outside, degrees_of_freedom: int
+    at: Letters,
+    inflow: tuple[float, float],
+    coefficients: CoefficientSet,
+    outside: Outside,
+    degrees_of_freedom: int,
 ) -> Equilibria:
-    """All x with 0 = f(x), eq. (6) of Peil & Nahrath (2003): alpha_v = 0 at rest, so that phi stands alone.
+    """All x with 0 = f(x), eq. (6) of Peil & Nahrath (2003): the inflow (alpha_v, U_rel²) at rest is that of the
+    wind alone, (0, U_n²) without vertical wind, so that phi stands alone.
 
-    g(phi) = ½ rho d² U_n² C_M(-phi) + m_R r g cos(delta) sin(phi + beta) = 0, then k q + k2 q² + k3 q³ = F
-    for y and z; every combination is an equilibrium. phi runs over (-pi/2, 3 pi/2] with periodic coefficients
-    (in the order of the paper's figure 5: the lower rivulet last), over (-pi, pi] with raw ones.
+    g(phi) = ½ rho d² U_rel² C_M(alpha_v - phi) + m_R r g cos(delta) sin(phi + beta) = 0, then
+    k q + k2 q² + k3 q³ = F for y and z; every combination is an equilibrium. phi runs over (-pi/2, 3 pi/2] with
+    periodic coefficients (in the order of the paper's figure 5: the lower rivulet last); with raw ones
+    phi - alpha_v runs over (-pi, pi].
     """
-    angles, unresolved = _rivulet_angles(at, coefficients, outside)
-    q_d = 0.5 * float(at.rho * at.d * at.u_n * at.u_n)
+    alpha_v, u_rel_squared = inflow
+    angles, unresolved = _rivulet_angles(at, inflow, coefficients, outside)
+    q_d = 0.5 * float(at.rho * at.d * u_rel_squared)
+    s, c = float(sin(alpha_v)), float(cos(alpha_v))
     rows: list[tuple[float, ...]] = []
     for phi in angles:
-        c_l, c_d, _ = coefficients.at(-phi, outside)
-        ys, double_ys = rest_positions(float(at.k_y), at.k_y2, at.k_y3, float(-q_d * c_l))
+        c_l, c_d, _ = coefficients.at(-phi + alpha_v, outside)
+        ys, double_ys = rest_positions(float(at.k_y), at.k_y2, at.k_y3, float(-q_d * (c_l * c + c_d * s)))
         unresolved += [("y", y, y) for y in double_ys]
         if degrees_of_freedom == 2:
             rows += [(y, phi, 0.0, 0.0) for y in ys]
             continue
-        zs, double_zs = rest_positions(float(at.k_z), at.k_z2, at.k_z3, float(q_d * c_d))
+        zs, double_zs = rest_positions(float(at.k_z), at.k_z2, at.k_z3, float(q_d * (c_d * c - c_l * s)))
         unresolved += [("z", z, z) for z in double_zs]
         rows += [(y, phi, z, 0.0, 0.0, 0.0) for y, z in product(ys, zs)]
     two = degrees_of_freedom == 2
@@ -80,31 +88,35 @@ def find_all_equilibria(
 
 
 def _rivulet_angles(
-    at: Letters, coefficients: CoefficientSet, outside: Outside
+    at: Letters, inflow: tuple[float, float], coefficients: CoefficientSet, outside: Outside
 ) -> tuple[list[float], list[tuple[str, float, float]]]:
-    wind, weight = 0.5 * at.rho * at.d * at.d * at.u_n * at.u_n, at.m_r * at.r * at.g_cos_delta
+    """All phi, by psi = phi - alpha_v: then the moment's curve stays where it is, whatever the wind."""
+    alpha_v, u_rel_squared = inflow
+    wind, weight = 0.5 * at.rho * at.d * at.d * u_rel_squared, at.m_r * at.r * at.g_cos_delta
     edges, moment = _moment_on_boxes(coefficients, outside)
     scale = float(wind + at.m_r * at.r * 10.0)
+    turned = at.beta + alpha_v
 
-    def balance(phi: Any) -> Any:
-        return wind * coefficients.moment_at(-phi, outside) + weight * sin(phi + at.beta)
+    def balance(psi: Any) -> Any:
+        return wind * coefficients.moment_at(-psi, outside) + weight * sin(psi + turned)
 
-    first = wind * moment + weight * sin(Box.variable(edges[:-1], edges[1:]) + at.beta)
+    first = wind * moment + weight * sin(Box.variable(edges[:-1], edges[1:]) + turned)
     period = 2 * pi if outside == "blend" else None
     isolated = isolate_roots(balance, edges, first=first, period=period, tiny=1e-15 * scale)
     roots = [polished_root(balance, bracket) for bracket in isolated.brackets]
     if outside == "blend":
-        angles = sorted(_on_circle(phi) for phi in roots)
+        angles = sorted(_on_circle(psi + alpha_v) for psi in roots)
         unresolved = isolated.unresolved
     else:
-        angles = [min(phi, pi) for phi in roots if -pi + _ROUNDING < phi <= pi + _ROUNDING]
+        inside = [min(psi, pi) for psi in roots if -pi + _ROUNDING < psi <= pi + _ROUNDING]
         unresolved = tuple(
             u for u in isolated.unresolved if u[1] > -pi + 2 * _MARGIN and u[0] <= pi + _ROUNDING
         )
-    if outside == "refuse":
-        angles = [phi for phi in angles if coefficients.covers(-phi)]
-        unresolved = tuple(u for u in unresolved if _meets(u, coefficients.valid))
-    return angles, [("phi", low, high) for low, high in unresolved]
+        if outside == "refuse":
+            inside = [psi for psi in inside if coefficients.covers(-psi)]
+            unresolved = tuple(u for u in unresolved if _meets(u, coefficients.valid))
+        angles = [psi + alpha_v for psi in inside]
+    return angles, [("phi", low + alpha_v, high + alpha_v) for low, high in unresolved]
 
 
 @lru_cache(maxsize=64)
@@ -130,5 +142,5 @@ def _on_circle(phi: float) -> float:
     return turned + 2 * pi if turned <= -pi / 2 + _ROUNDING else turned
 
 
-def _meets(phi: Bracket, valid: tuple[float, float]) -> bool:
-    return -phi[1] <= valid[1] and -phi[0] >= valid[0]
+def _meets(psi: Bracket, valid: tuple[float, float]) -> bool:
+    return -psi[1] <= valid[1] and -psi[0] >= valid[0]
