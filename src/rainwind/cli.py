@@ -200,7 +200,7 @@ def diagram(
         bool, typer.Option("--csv", help="Write every branch beside the image, as .csv files.")
     ] = False,
 ) -> None:
-    """Compute and draw everything over wind speed: all states of rest, all vibrations, what is stable where."""
+    """Compute and draw everything over wind speed: all equilibria, all vibrations, what is stable where."""
     _not_the_case(image_path(out), case)
     model = _model(case)
     study, windows = (
@@ -220,12 +220,14 @@ def diagram(
             raise_if_asked()
 
         found = study.compute(model, along, window, progress=progress)
+    if found.empty:
+        raise KeyboardInterrupt("stopped before anything was found: no picture is written")
     with unfinished(out) as part:
         study.save(found, part)
     for sentence in study.summary(found):
         typer.echo(sentence)
     written = [out, *(study.save_tables(found, out) if table else ())]
-    if found.interrupted:
+    if found.diagram.interrupted:
         raise KeyboardInterrupt(f"stopped; what was finished is in {', '.join(map(str, written))}")
     typer.echo(f"written to {', '.join(map(str, written))}")
 

@@ -28,6 +28,7 @@ ORBIT_NAMES = {
 }  # fmt: skip
 _EQUILIBRIUM_NAMES = {**NAMES, "hopf": "Hopf point"}
 _SHORT = {"fold": "fold", "hopf": "Hopf", "bp": "BP"}
+_STOPPED = "stopped by the user before its end: branches are missing"
 _VIBRATES = "#DCEBF5"
 _BESIDE = (  # places of a name: offset in parts of the axes from the mark to the text's lower edge, its alignment
     (0.0, 0.035, "center"), (-0.01, 0.0, "right"), (0.01, 0.0, "left"), (-0.01, -0.08, "right"),
@@ -86,8 +87,10 @@ def draw_panels(
     label: str = "",
     scale: float = 1.0,
     noun: str = "orbit",
+    note: str = "",
 ) -> Figure:
-    """All panels one above the other under one legend; label, scale: of the parameter; noun: what an orbit is here."""
+    """All panels one above the other under one legend; label, scale: of the parameter; noun: what an orbit is here;
+    note: below all. A diagram that was interrupted says so above the first panel."""
     with style.journal(figure, width="double", height=32.0 + 46.0 * len(panels)):
         column = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
         points, done = _worth_naming(diagram), []
@@ -100,6 +103,9 @@ def draw_panels(
         column[-1].set_xlabel(label or diagram.along)
         handles = legend_of(diagram, noun=noun)
         figure.legend(handles=handles, loc="outside upper center", ncols=min(4, len(handles)))
+        if diagram.interrupted:
+            column[0].set_title(_STOPPED, loc="right", color=style.VERMILION, pad=4.0)
+        style.below(figure, [note] if note else [], letters=140)
     return figure
 
 
@@ -107,7 +113,7 @@ def legend_of(diagram: Diagram, *, noun: str = "orbit") -> list[Any]:
     """What is to be explained: only what the diagram has."""
     handles: list[Any] = []
     for branches, color, name in (
-        (diagram.equilibria, style.BLACK, "rest"),
+        (diagram.equilibria, style.BLACK, "equilibrium"),
         ([b for b in diagram.orbits if not _doubled(b)], style.BLUE, noun),
         ([b for b in diagram.orbits if _doubled(b)], style.VERMILION, f"{noun} of period 2, 4, ..."),
     ):

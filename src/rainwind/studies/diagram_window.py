@@ -12,6 +12,13 @@ from rainwind.physics.model import RivuletModel
 from rainwind.studies.equilibrium_map import speed_window
 
 SPEED = "wind.speed"
+_NAMES = {
+    "wind.speed": "wind speed", "wind.yaw": "yaw", "section.damping_ratio": "damping ratio",
+    "section.damping_ratio_y": "damping ratio in y", "section.damping_ratio_z": "damping ratio in z",
+    "section.frequency_y": "frequency in y", "section.frequency_z": "frequency in z",
+    "section.diameter": "diameter", "section.mass": "mass", "rivulet.mass": "rivulet mass",
+    "rivulet.height": "rivulet height", "rivulet.friction": "rivulet friction",
+}  # fmt: skip
 
 
 def kind_of(along: str) -> Kind | None:
@@ -38,6 +45,25 @@ def in_words(value: float, along: str) -> str:
     """A parameter's value, given in SI, with the unit in which people read it."""
     kind = kind_of(along)
     return f"{value / si(1.0, kind):.6g} {unit_of(kind)}".strip()
+
+
+def name_of(along: str) -> str:
+    """A parameter in words."""
+    return _NAMES.get(along, along.replace(".", ": ").replace("_", " "))
+
+
+def held(model: RivuletModel, along: str) -> list[str]:
+    """The parameters that lead besides `along`, each with its value: wind, damping, frequencies, sizes, rivulet."""
+    values = {name: model.parameters[name] for name in _NAMES if name in model.parameters and name != along}
+    names = dict(_NAMES)
+    if values.get("wind.yaw") == 0.0:
+        del values["wind.yaw"]
+    if {"section.damping_ratio_y", "section.damping_ratio_z"} <= set(model.parameters):
+        values.pop("section.damping_ratio", None)
+    if values.get("section.frequency_y") == values.get("section.frequency_z"):
+        values.pop("section.frequency_z", None)
+        names["section.frequency_y"] = "frequency"
+    return [f"{names[name]} {in_words(value, name)}" for name, value in values.items()]
 
 
 def window_from_text(along: str, until: Sequence[str]) -> tuple[float, float]:
@@ -73,6 +99,11 @@ def checked_window(
             raise InputError(f"the range of {along} has no default; say until where, two numbers")
         low, high = speed_window(model)
         return low, min(high, FASTEST)
+    apart = {"section.damping_ratio_y", "section.damping_ratio_z"}
+    if along == "section.damping_ratio" and apart <= set(model.parameters):
+        raise InputError(
+            f"{along} changes nothing: the case has {' and '.join(sorted(apart))}; vary one of these"
+        )
     low, high = (number(end, f"an end of the range of {along}") for end in until)
     span = f"the range of {along}, {in_words(low, along)} to {in_words(high, along)},"
     if not low < high:
