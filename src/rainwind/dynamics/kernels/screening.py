@@ -8,6 +8,7 @@ from rainwind.dynamics.kernels.spectrum import eigenvalues
 from rainwind.dynamics.kernels.tangents import jacobians
 
 HASTE = 3.0
+STEADY = 4.0  # the fastest rate over the slowest
 ROUNDING = 1e-14  # of a real part, as a share of the largest eigenvalue
 
 
@@ -109,20 +110,45 @@ def hasty(before, after, pace, length, continuous):
     for k in range(before.size):
         if k >= before.size - 2 and not continuous[k - before.size + 2]:
             continue
-        travel = max(abs(after[k] - before[k]), pace[k] * length)
-        if before[k] * after[k] > 0.0 and abs(before[k]) + abs(after[k]) < HASTE * travel:
+        if _may_return(before[k], after[k], pace[k] * length):
             return True
     return False
 
 
 @compiled
+def _may_return(before, after, pace):
+    travel = max(abs(after - before), pace)
+    return before * after > 0.0 and abs(before) + abs(after) < HASTE * travel
+
+
+@compiled
 def hasty_intervals(values, pace, arclength, continuous):
-    """`hasty` for all intervals of values (N, k) at arclengths (N,), with the pace (N - 1, k) about each."""
-    flags = np.zeros(arclength.size - 1, np.bool_)
-    for i in range(flags.size):
+    """`hasty` for all intervals of values (N, k) at arclengths (N,), with the pace (N - 1, k) about each.
+
+    A value that runs steadily one way through an interval and both its neighbours has not come back.
+    """
+    count, many = values.shape
+    flags = np.zeros(count - 1, np.bool_)
+    for i in range(count - 1):
         length = arclength[i + 1] - arclength[i]
-        flags[i] = hasty(values[i], values[i + 1], pace[i], length, continuous)
+        for k in range(many):
+            if k >= many - 2 and not continuous[k - many + 2]:
+                continue
+            if _may_return(values[i, k], values[i + 1, k], pace[i, k] * length):
+                flags[i] |= not (0 < i < count - 2 and _steady(values[:, k], arclength, i))
     return flags
+
+
+@compiled
+def _steady(value, arclength, i):
+    """Whether a value changes in one direction, and about as fast, in the interval i and both its neighbours."""
+    slowest, fastest = np.inf, 0.0
+    forward = value[i + 1] > value[i]
+    for j in range(i - 1, i + 2):
+        change = value[j + 1] - value[j] if forward else value[j] - value[j + 1]
+        rate = change / (arclength[j + 1] - arclength[j])
+        slowest, fastest = min(slowest, rate), max(fastest, rate)
+    return slowest > fastest / STEADY
 
 
 @compiled
