@@ -83,7 +83,7 @@ def test_stages_in_time_are_row_sums():
     assert pytest.approx(GAMMA.sum(axis=1), abs=1e-13) == kernel.D
 
 
-def stability(z: complex) -> complex:
+def stability(z):
     return 1 + z * (WEIGHTS @ GAMMA) @ np.linalg.solve(np.eye(8) - z * BETA, np.ones(8))
 
 

@@ -16,7 +16,7 @@ BLOCK = 256
 class Rosenbrock:
     """Steps of Rodas5P along one trajectory of a system, with parameters that may follow signals.
 
-    t, state (n,), sizes (n,): where it is, and the largest moduli so far; step: the next one to try (0: none known).
+    moving: how many operations of the tape a step has to repeat.
     """
 
     def __init__(
@@ -30,9 +30,7 @@ class Rosenbrock:
         self._tape = (*specialised(operations, template, inputs, varies), outputs)
         self._drive = drive
         self._tolerance = tolerance
-        self.cost = float(
-            len(self._tape[0]) * (n + drive.numbers.size + kernel.STAGES) + kernel.STAGES * n * n
-        )
+        self.moving = len(self._tape[0])
         self.refused = 0
 
     def advance(

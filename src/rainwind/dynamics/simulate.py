@@ -152,7 +152,7 @@ class _Run:
         self.t, self.sizes = 0.0, np.abs(self.x)
         self.parts: list[Pieces] = []
         self.ended, self.note = RunEnded.DURATION, ""
-        self.engines = Choice(self.system, self.driven, self.tolerance, self.duration, self.method)
+        self.engines = Choice(self.system, self.driven, self.tolerance, self.method)
         limits = [
             Event(name, margin, -1 if self.system.refusal is not None else 0, self.system.refusal is not None)
             for name, (_, margin) in self.system.limits.items()
