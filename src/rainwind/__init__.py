@@ -56,6 +56,8 @@ if TYPE_CHECKING:
     from rainwind.elementary import sqrt as sqrt
     from rainwind.elementary import tan as tan
     from rainwind.elementary import tanh as tanh
+    from rainwind.engineering.turbulent_wind import TurbulentWind as TurbulentWind
+    from rainwind.engineering.turbulent_wind import turbulent_wind as turbulent_wind
     from rainwind.errors import RainwindError as RainwindError
     from rainwind.io.auto_export import export_to_auto as export_to_auto
     from rainwind.io.cases import read_case as read_case
@@ -101,6 +103,7 @@ _HOME = {
     "System": "dynamics.system",
     **dict.fromkeys(("acos", "asin", "atan", "atan2", "cos", "cosh", "erf", "exp", "log"), "elementary"),
     **dict.fromkeys(("sin", "sinh", "sqrt", "tan", "tanh"), "elementary"),
+    **dict.fromkeys(("TurbulentWind", "turbulent_wind"), "engineering.turbulent_wind"),
     "RainwindError": "errors",
     "read_case": "io.cases",
     "load_coefficients": "physics.coefficient_files",

@@ -1,0 +1,1 @@
+"""What an engineer asks, answered with `physics` and `dynamics`."""
