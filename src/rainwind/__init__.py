@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from rainwind.dynamics.curves import continue_hopf as continue_hopf
     from rainwind.dynamics.diagram import diagram as diagram
     from rainwind.dynamics.diagram_results import Diagram as Diagram
+    from rainwind.dynamics.energy import EnergyBalance as EnergyBalance
+    from rainwind.dynamics.energy import energy_balance as energy_balance
     from rainwind.dynamics.equilibria import continue_equilibria as continue_equilibria
     from rainwind.dynamics.equilibria import find_equilibria as find_equilibria
     from rainwind.dynamics.equilibria import find_equilibrium as find_equilibrium
@@ -63,6 +65,7 @@ if TYPE_CHECKING:
     from rainwind.io.cases import read_case as read_case
     from rainwind.io.saved import load as load
     from rainwind.io.saved import save as save
+    from rainwind.io.wind_records import read_wind as read_wind
     from rainwind.physics.coefficient_files import load_coefficients as load_coefficients
     from rainwind.physics.model import RivuletModel as RivuletModel
     from rainwind.physics.model import paper_model as paper_model
@@ -76,6 +79,7 @@ _HOME = {
     "continue_hopf": "dynamics.curves",
     "diagram": "dynamics.diagram",
     "Diagram": "dynamics.diagram_results",
+    **dict.fromkeys(("EnergyBalance", "energy_balance"), "dynamics.energy"),
     "continue_equilibria": "dynamics.equilibria",
     "find_equilibria": "dynamics.equilibria",
     "find_equilibrium": "dynamics.equilibria",
@@ -106,6 +110,7 @@ _HOME = {
     **dict.fromkeys(("TurbulentWind", "turbulent_wind"), "engineering.turbulent_wind"),
     "RainwindError": "errors",
     "read_case": "io.cases",
+    "read_wind": "io.wind_records",
     "load_coefficients": "physics.coefficient_files",
     "RivuletModel": "physics.model",
     "paper_model": "physics.model",
