@@ -116,10 +116,14 @@ class Function:
 
     def at(self, states: np.ndarray, driven: np.ndarray) -> np.ndarray:
         """Values (N,) at states (N, n) and driven parameters (N, m)."""
-        inputs = np.tile(self._inputs, (len(states), 1))
-        inputs[:, : states.shape[1]] = states
-        inputs[:, self.numbers] = driven
-        return values(*self.tape.arrays, inputs)[:, 0]
+        return values(*self.tape.arrays, self.inputs(states, driven))[:, 0]
+
+    def inputs(self, states: np.ndarray, driven: np.ndarray) -> np.ndarray:
+        """States and all parameters as the kernels take them."""
+        found = np.tile(self._inputs, (len(states), 1))
+        found[:, : states.shape[1]] = states
+        found[:, self.numbers] = driven
+        return found
 
 
 class Watch:

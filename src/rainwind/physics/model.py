@@ -2,7 +2,8 @@
 
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
-from math import isfinite
+from math import cos as cosine
+from math import isfinite, pi
 from typing import Any, Literal
 
 from rainwind.elementary import atan2, cos, sin
@@ -11,6 +12,7 @@ from rainwind.parameters import parameter_values, replace_parameters, unknown_na
 from rainwind.physics.checks import one_of
 from rainwind.physics.coefficient_files import load_coefficients
 from rainwind.physics.coefficients import OUTSIDE, CoefficientSet, Outside, check_usable
+from rainwind.physics.energy import energy_parts, power_parts
 from rainwind.physics.letters import Letters, letters
 from rainwind.physics.rivulet import Rivulet
 from rainwind.physics.section import CableSection
@@ -136,6 +138,42 @@ class RivuletModel:
         y_ddot = (p_y - m_r * r * s * phi_ddot) / m
         z_ddot = (p_z + m_r * r * c * phi_ddot) / m
         return (y_dot, phi_dot, z_dot, y_ddot, phi_ddot, z_ddot)
+
+    def energy(self, x: Sequence[Any], p: Mapping[str, Any]) -> Any:
+        """Kinetic, elastic and gravity energy in J per metre of cable at states x and parameters p."""
+        parts = energy_parts(self.letters(p), self._all_six(x))
+        return parts["kinetic"] + parts["elastic"] + parts["gravity"]
+
+    def powers(self, x: Sequence[Any], p: Mapping[str, Any]) -> dict[str, Any]:
+        """What changes the energy, in W per metre: "wind", "cable damping", "rivulet friction"."""
+        return power_parts(self.letters(p), self._all_six(x), self.wind_forces(x, p))
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The units of time, of the states and of the parameters that usually vary with time."""
+        lengths = {"y": "m", "z": "m", "y_dot": "m/s", "z_dot": "m/s"}
+        return {
+            "time": "s", **lengths, "phi": "rad", "phi_dot": "rad/s", "wind.speed": "m/s",
+            "wind.vertical_speed": "m/s",
+        }  # fmt: skip
+
+    @property
+    def limits(self) -> dict[str, tuple[Any, Any]]:
+        """What is watched along a trajectory: the angle of attack, with a margin that is positive in the valid range.
+
+        With outside="blend" the angle counts modulo a full turn.
+        """
+        low, high = self.coefficients.valid
+        if self.outside == "blend" and high - low >= 2 * pi:
+            return {}
+
+        def margin(x: Sequence[Any], p: Mapping[str, Any]) -> Any:
+            alpha = self.angle_of_attack(x, p)
+            if self.outside == "blend":
+                return cos(alpha - 0.5 * (low + high)) - cosine(0.5 * (high - low))
+            return (alpha - low) * (high - alpha)
+
+        return {"angle of attack": (self.angle_of_attack, margin)}
 
     def all_states(self, parameters: Mapping[str, float] | None = None) -> Equilibria:
         """All equilibria, on the whole circle, sorted by phi; `parameters` overrides some of the model's own.
