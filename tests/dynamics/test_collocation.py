@@ -355,7 +355,7 @@ def test_slopes_of_the_conditions_are_their_derivatives(name, kind):
     at = problem.linearise(u)
     borders = start_borders(problem, u, at, kind, angle)
     found = condition(problem, u, at, kind, borders, angle)
-    by = slopes(problem, u, at, found)
+    by = slopes(problem, u, found)
 
     def scalars(v, angle=angle):
         return condition(problem, v, problem.linearise(v), kind, borders, angle).values

@@ -124,10 +124,7 @@ def _half(
                 ended = Ended.TOO_MANY_POINTS
             if ended is not None:
                 break
-    except KeyboardInterrupt:
-        ended = Ended.INTERRUPTED
-    except SystemError as error:
-        # so numba reports a Ctrl-C that came while a kernel ran
+    except (KeyboardInterrupt, SystemError) as error:
         if not is_interrupt(error):
             raise
         ended = Ended.INTERRUPTED

@@ -157,9 +157,12 @@ class Grid:
 
     def row(self, at_points: np.ndarray) -> np.ndarray:
         """The row (N m + 1, n) whose product with a profile is the integral of at_points (N, m, n) times it."""
+        return self.at_nodes(at_points * (self.lengths[:, None] * self.basis.weights)[:, :, None])
+
+    def at_nodes(self, at_points: np.ndarray) -> np.ndarray:
+        """The row (N m + 1, n) whose product with a profile is that of at_points (N, m, n) with its Gauss points."""
         m, many = self.degree, len(self.lengths)
-        weighted = at_points * (self.lengths[:, None] * self.basis.weights)[:, :, None]
-        nodal = np.einsum("ik,jin->jkn", self.basis.values, weighted)
+        nodal = np.einsum("ik,jin->jkn", self.basis.values, at_points)
         found = np.zeros((many * m + 1, at_points.shape[-1]))
         found[:-1] = nodal[:, :-1].reshape(many * m, -1)
         found[m::m] += nodal[:, -1]
@@ -201,3 +204,14 @@ class Grid:
         times = np.interp(np.linspace(0.0, mass[-1], many + 1), mass, self.times)
         times[0], times[-1] = 0.0, 1.0
         return Grid(times, m)
+
+    def refitted(self, x: np.ndarray, mesh: Mesh) -> tuple["Grid", np.ndarray]:
+        """The mesh asked for, spread for a profile, and the profile on it."""
+        grid = Grid(
+            self.adapted(x, np.maximum(1.0, np.abs(x).max(axis=0)), mesh.intervals).times, mesh.degree
+        )
+        return grid, self.at(x, grid.nodes)
+
+    def has(self, mesh: Mesh) -> bool:
+        """Whether this is as many intervals of the degree as asked for."""
+        return self.degree == mesh.degree and len(self.lengths) == mesh.intervals

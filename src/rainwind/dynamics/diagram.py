@@ -62,10 +62,7 @@ def diagram(
         if orbits:
             work.follow_orbits(starts)
         work.tell("finished")
-    except KeyboardInterrupt:
-        interrupted = True
-    except SystemError as error:
-        # so numba reports a Ctrl-C that came while a kernel ran
+    except (KeyboardInterrupt, SystemError) as error:
         if not is_interrupt(error):
             raise
         interrupted = True

@@ -56,6 +56,11 @@ class Changes:
     negative: tuple[int, ...] = ()  # of orbits, negative real multipliers
 
     @property
+    def column(self) -> int | None:
+        """Number of the watched value that changed, or of the first of several; None where only tests changed."""
+        return (self.real or self.negative or self.pairs or (None,))[0]
+
+    @property
     def any(self) -> bool:
         """Whether anything changed."""
         return any(self.tests) or bool(self.real or self.pairs or self.negative)

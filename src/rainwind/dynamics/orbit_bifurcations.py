@@ -160,7 +160,7 @@ def _locate(problem: OrbitEquations, kind: str, a: Probe, b: Probe, changes: Cha
             va, vb = (probe.watched[changes.real[0]].real for probe in (a, b))
             fraction = va / (va - vb)
         return _locate_branch_point(problem, a, b, fraction)
-    column = (changes.real or changes.negative or changes.pairs or (None,))[0]
+    column = changes.column
 
     def value(node: OrbitNode) -> float:
         if kind == "lpc" or column is None:

@@ -86,7 +86,7 @@ def _locate(
     problem: OrbitCurveEquations, kind: str, a: Probe, b: Probe, changes: Changes
 ) -> OrbitPoint | None:
     """The zero of the one value that vanishes at this kind of point, along corrected points of the curve."""
-    column = (changes.real or changes.negative or changes.pairs or (None,))[0]
+    column = changes.column
 
     def value(node: OrbitCurveNode) -> float:
         if column is None:

@@ -154,11 +154,11 @@ def slopes(problem: OrbitEquations, u: np.ndarray, found: Condition) -> np.ndarr
     x, period, p = problem.parts(u)
     psis = _real(adjoint(found))
     tape, inputs, free = problem.tape
-    basis = problem.grid.basis
-    points = kernel.gauss_inputs(inputs, free, basis.values, x, p)
+    grid = problem.grid
+    points = kernel.gauss_inputs(inputs, free, grid.basis.values, x, p)
     found_slopes = []
     for column in range(found.g.size):
-        phi = problem.grid.at_points(null_profile(found, column)).reshape(-1, n)
+        phi = grid.at_points(null_profile(found, column)).reshape(-1, n)
         rest = np.zeros((1 + len(free), 1), dtype=found.first.dtype)
         rest[: len(found.rest), 0] = found.rest[:, column]
         phis, rests = _real(phi), _real(rest)
@@ -169,12 +169,7 @@ def slopes(problem: OrbitEquations, u: np.ndarray, found: Condition) -> np.ndarr
         for terms in _PRODUCTS if found.kind == "ns" else (_PRODUCTS[0][:1],):
             row = np.zeros(size + 1 + len(free))
             at_points = sum(sign * by_state[a, b] for a, b, sign in terms)
-            nodal = np.einsum(
-                "ik,jin->jkn", basis.values, np.reshape(at_points, (-1, problem.grid.degree, n))
-            )
-            profile = row[:size].reshape(-1, n)
-            profile[:-1] = nodal[:, :-1].reshape(-1, n)
-            profile[problem.grid.degree :: problem.grid.degree] += nodal[:, -1]
+            row[:size] = grid.at_nodes(np.reshape(at_points, (-1, grid.degree, n))).ravel()
             row[size] = sum(sign * by_period[a, b] for a, b, sign in terms)
             row[size + 1 :] = sum(sign * by_parameter[a, b] for a, b, sign in terms)
             found_slopes.append(row)

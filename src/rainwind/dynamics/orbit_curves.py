@@ -8,7 +8,7 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from rainwind.dynamics.branches import check_states, check_steps
-from rainwind.dynamics.collocation import Grid, Mesh
+from rainwind.dynamics.collocation import Mesh
 from rainwind.dynamics.curves import at_start
 from rainwind.dynamics.monitors import Monitor, checked
 from rainwind.dynamics.newton import solve_equilibrium, spectrum
@@ -129,16 +129,8 @@ def _curve(
     window = problem.window(bounds)
     if kind == "ns":
         window[-1] = (SMALLEST_ANGLE, np.pi - SMALLEST_ANGLE)
-    route = Route(
-        problem,
-        window,
-        curve_inspector(problem),
-        ds,
-        passed,
-        limit=limit,
-        progress=progress,
-        monitors=watched,
-    )
+    inspector = curve_inspector(problem)
+    route = Route(problem, window, inspector, ds, passed, limit=limit, progress=progress, monitors=watched)
     halves = both_ways(route, node)
     for half in halves:
         half.points += degenerate_points(problem, half.nodes)  # type: ignore[arg-type]
@@ -157,9 +149,8 @@ def _first(
     """The problem of a curve and its first node, its tangent towards a larger first parameter."""
     orbit, grid, x = start.orbit, start.orbit.grid, start.orbit.profile
     units = np.maximum(1.0, np.abs(x).max(axis=0))
-    if mesh is not None and (grid.degree != mesh.degree or len(grid.lengths) != mesh.intervals):
-        other = Grid(grid.adapted(x, units, mesh.intervals).times, mesh.degree)
-        x, grid = grid.at(x, other.nodes), other
+    if mesh is not None and not grid.has(mesh):
+        grid, x = grid.refitted(x, mesh)
     mesh = mesh or Mesh(len(grid.lengths), grid.degree)
     parameter_units = np.array([(high - low) / 20.0 for low, high in bounds])
     problem = OrbitCurveEquations(system, along, grid, units, orbit.period, parameter_units, mesh, kind=kind)
@@ -211,7 +202,7 @@ def _name_the_end(problem: OrbitCurveEquations, half: Half) -> None:
     values = np.array([list(problem.on(node.grid).named(node.u).values()) for node in nodes])
     # parameters are smooth in the square of the angle: on to zero along the cubic through both nodes and slopes
     squares = np.square(offsets)
-    rates = [problem.on(node.grid).tangent_parameters(node) / node.tangent[-1] for node in nodes]
+    rates = [problem.tangent_parameters(node) / node.tangent[-1] for node in nodes]
     by_angle = np.array(rates) / problem.scale[-1] * (-1.0 if kind == "r2" else 1.0)
     slopes = by_angle / (2.0 * np.array(offsets)[:, None])
     at_end = CubicHermiteSpline(squares[::-1], values[::-1], slopes[::-1])(0.0)

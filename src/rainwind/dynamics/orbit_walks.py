@@ -97,10 +97,7 @@ def walked(route: Route, start: OrbitNode) -> Half:
             if ended is not None:
                 break
             before = node
-    except KeyboardInterrupt:
-        ended = Ended.INTERRUPTED
-    except SystemError as error:
-        # so numba reports a Ctrl-C that came while a kernel ran
+    except (KeyboardInterrupt, SystemError) as error:
         if not is_interrupt(error):
             raise
         ended = Ended.INTERRUPTED

@@ -160,9 +160,8 @@ def _start(
     if mesh is None:
         mesh = Mesh(len(grid.lengths), grid.degree)
     units = np.maximum(1.0, np.abs(x).max(axis=0))
-    if grid.degree != mesh.degree or (len(grid.lengths) != mesh.intervals and kind == "orbit"):
-        other = Grid(grid.adapted(x, units, mesh.intervals).times, mesh.degree)
-        x, grid = grid.at(x, other.nodes), other
+    if grid.degree != mesh.degree or (kind == "orbit" and not grid.has(mesh)):
+        grid, x = grid.refitted(x, mesh)
     problem = OrbitEquations(system, (along,), grid, units, period, np.array([unit]), mesh)
     u = np.concatenate([x.ravel(), [period, value]])
     switched = point if kind in ("pd", "bp") else None
