@@ -70,6 +70,14 @@ def test_a_sum_has_the_knots_of_both():
     assert total.degree == 3
 
 
+def test_knots_that_differ_by_rounding_are_one():
+    a, b = Signal([0.0, 0.1 * 3, 1.0], [[1.0, 1.0], [2.0, 5.0]]), Signal([0.0, 0.3, 1.0], [[0.0], [10.0]])
+    assert 0.1 * 3 != 0.3
+    for total in (a + b, b + a):
+        assert total.knots.tolist() == [0.0, 0.3, 1.0]
+        assert total.at([0.2, 0.5]) == pytest.approx([1.2, 13.0], rel=1e-14)
+
+
 def test_shifted_part_repeated():
     assert CURVE.shifted(10.0).at(10.3) == pytest.approx(CURVE.at(0.3))
     part = CURVE.part(0.6, 3.0)

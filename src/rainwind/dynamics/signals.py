@@ -10,6 +10,7 @@ from rainwind.errors import InputError
 __all__ = ["Signal", "ramp"]
 
 _MOST_COEFFICIENTS = 4
+_ROUNDING = 1e-14
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +122,7 @@ class Signal:
             )
         between = self.knots[(self.knots > since) & (self.knots < until)]
         knots = np.concatenate([[since], between, [until]])
-        return Signal(knots, _from(self, knots[:-1]))
+        return Signal(knots, _from(self, knots))
 
     def then(self, other: "Signal") -> "Signal":
         """This signal, and from its end on the other one, moved there. Raises InputError if this has no end."""
@@ -214,16 +215,21 @@ def _sum(a: Signal, b: Signal) -> Signal:
             f"to {b.until:g} s; make them alike with shifted, then, repeated or part"
         )
     knots = np.union1d(a.knots, b.knots)
+    # knots that differ by rounding are one, the first; the ends stay
+    apart = np.diff(knots) > _ROUNDING * np.abs(knots[:-1])
+    apart[-1] = True
+    knots = knots[np.append(True, apart)]
     c = np.zeros((knots.size - 1, max(a.degree, b.degree) + 1))
     for one in (a, b):
-        c[:, : one.degree + 1] += _from(one, knots[:-1])
+        c[:, : one.degree + 1] += _from(one, knots)
     return Signal(knots, c)
 
 
-def _from(signal: Signal, times: np.ndarray) -> np.ndarray:
-    """The coefficients in powers of t - times: the polynomials that hold there, (times, degree + 1)."""
-    piece = np.searchsorted(signal.knots[1:-1], times, side="right")
-    s = times - signal.knots[piece]
+def _from(signal: Signal, knots: np.ndarray) -> np.ndarray:
+    """The coefficients (k, degree + 1) of the signal's pieces between other knots (k + 1,), in powers from these."""
+    inside = knots[:-1] + np.minimum(np.diff(knots), 1.0) / 2
+    piece = np.searchsorted(signal.knots[1:-1], inside, side="right")
+    s = knots[:-1] - signal.knots[piece]
     c = signal.coefficients[piece].copy()
     # Horner's scheme again and again is the shift of a polynomial
     for first in range(signal.degree):
