@@ -135,7 +135,7 @@ class Watch:
     def crossings(self, pieces: Pieces, driven: np.ndarray, end: np.ndarray) -> Crossings:
         """The zeros along the next pieces (k of them), with driven (k, m, 4) and the state at their end."""
         f, room = self._function, _ROOM
-        parts, first = [_none(self.event.name, self._states)], 0
+        parts, first = [none(self.event.name, self._states)], 0
         while first < len(pieces):
             at, piece = np.empty(room), np.empty(room, dtype=np.int64)
             rising = np.empty(room, dtype=np.bool_)
@@ -152,5 +152,6 @@ class Watch:
         return joined(parts).of(self.event.direction)
 
 
-def _none(name: str, states: tuple[str, ...]) -> Crossings:
+def none(name: str, states: tuple[str, ...]) -> Crossings:
+    """No crossing at all."""
     return Crossings(name, states, np.zeros(0), np.zeros((0, len(states))), np.zeros(0, dtype=bool))

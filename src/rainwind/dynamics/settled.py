@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -12,6 +13,7 @@ from rainwind.dynamics.pieces import Pieces
 _TURN = 2.0 * np.pi
 _RETURNS = 400  # looked at, counted from the end
 _LOOPS = 10  # periods before the end from which the speed of settling is judged
+_NOISE = 1e3  # times tolerance and size: what a run may differ by without meaning
 _SAMPLES = 128  # a period, to see since when it has been settled
 
 
@@ -56,9 +58,6 @@ def settled(
 ) -> Settled:
     """Judge the end of a run. turning: states that count modulo a full turn; within: how near is settled."""
     begin, end = pieces.times[0], pieces.times[-1]
-    if len(pieces) == 0:
-        x = np.full(len(states), np.nan)
-        return _result("not settled", states, x, x, x, note="the run made no step")
     turns = np.array([name in turning for name in states])
     joints = pieces.joints()
     ranges, sizes = np.ptp(joints, axis=0), np.abs(joints).max(axis=0)
@@ -66,12 +65,12 @@ def settled(
     before = pieces.part(end - 0.2 * (end - begin), tail.times[0])
     (low, high), earlier = _extremes(tail), np.ptp(_extremes(before), axis=0)
     last, mean = high - low, tail.integral() / (tail.times[-1] - tail.times[0])
-    noise = 1e3 * max(tolerance, 1e-15) * np.where(sizes > 0.0, sizes, 1.0)
+    noise = _NOISE * max(tolerance, 1e-15) * np.where(sizes > 0.0, sizes, 1.0)
     if np.all(last <= noise):
         share = float(np.max(last / np.maximum(ranges, noise)))
         since = _at_rest_since(pieces, joints, within * np.maximum(ranges, noise))
         return _result("equilibrium", states, low, high, mean, change=share, left=share, since=since)
-    cycle = _cycle(pieces, states, turns, tolerance, within)
+    cycle = _cycle(pieces, states, turns, noise, tolerance, within)
     if cycle is not None and cycle.kind != "not settled":
         return cycle
     rest = float(np.max(last / np.maximum(ranges, noise)))
@@ -85,35 +84,31 @@ def settled(
     return _result("not settled", states, low, high, mean, change=rest, note=note)
 
 
+def unsettled(states: tuple[str, ...], note: str) -> Settled:
+    """Of a run that has no end to judge."""
+    none = np.full(len(states), np.nan)
+    return _result("not settled", states, none, none, none, note=note)
+
+
 def _cycle(
-    pieces: Pieces, states: tuple[str, ...], turns: np.ndarray, tolerance: float, within: float
+    pieces: Pieces,
+    states: tuple[str, ...],
+    turns: np.ndarray,
+    noise: np.ndarray,
+    tolerance: float,
+    within: float,
 ) -> Settled | None:
     """The cycle at the end of a run, or one that it still approaches; None where the last state came back never."""
-    end, n = pieces.times[-1], len(states)
+    end = pieces.times[-1]
     x = pieces.at(end)
     half = pieces.part(0.5 * (pieces.times[0] + end), end)
-    units = np.maximum(np.ptp(_unturned(half, turns), axis=0), 1e-9 * np.abs(x).max() + 1e-300)
+    units = np.maximum(np.ptp(_unturned(half, turns), axis=0), noise)
     times, gaps = _returns(pieces, x, units, turns)
-    if times.size < 3:
-        return None
-    best = float(gaps.min())
-    if best > 0.2:
+    if times.size < 3 or gaps.min() > 0.2:
         return None
     # a later return is a shorter period: taken unless an earlier one is far nearer
-    first = int(np.flatnonzero(gaps <= max(10.0 * best, 1e-9))[0])
+    first = int(np.flatnonzero(gaps <= max(10.0 * gaps.min(), _NOISE * tolerance))[0])
     period = float(end - times[first])
-    loops = []
-    at, state = end, x
-    for _ in range(_LOOPS):
-        # the return that is nearest one period before
-        k = int(np.argmin(np.abs(times - (at - period))))
-        if abs(times[k] - (at - period)) > 0.1 * period or times[k] <= pieces.times[0]:
-            break
-        earlier = pieces.at(times[k])
-        loops.append(float(np.max(np.abs(_difference(state, earlier, turns)) / units)))
-        at, state = times[k], earlier
-    if len(loops) < 2:
-        return None
     last = pieces.part(end - period, end)
     turned = np.where(turns, np.round((x - pieces.at(end - period)) / _TURN), 0.0).astype(int)
     speed = turned * _TURN / period
@@ -123,23 +118,47 @@ def _cycle(
         straight.coefficients[:, :, 1] -= speed
     low, high = _extremes(straight)
     mean = straight.integral() / period
-    change = loops[0]
-    ratio = (loops[0] / loops[-1]) ** (1.0 / (len(loops) - 1)) if loops[-1] > 0.0 else 0.0
-    floor = 1e3 * tolerance
-    left = change if max(loops) <= floor else (change * ratio / (1.0 - ratio) if ratio < 1.0 else np.inf)
+    seen = high - low > 10.0 * noise  # of the other states there is nothing to say
+    if not np.any(seen):
+        return None
+    units = np.where(seen, high - low, np.inf)
+    # the returns that are one, two, ... periods before the end, and how far each loop is from the one before it
+    ends = [end]
+    while len(ends) <= _LOOPS:
+        k = int(np.argmin(np.abs(times - (ends[-1] - period))))
+        if abs(times[k] - (ends[-1] - period)) > 0.1 * period or times[k] - period <= pieces.times[0]:
+            break
+        ends.append(times[k])
+    back = -period * np.arange(_SAMPLES) / _SAMPLES
+    loops = [pieces.at(t + back) for t in ends]
+    apart = [_difference(a, b, turns) for a, b in pairwise(loops)]
+    changes = [float(np.max(np.abs(one) / units)) for one in apart]
+    if len(changes) < 2:
+        return None
+    ratio = (changes[0] / changes[-1]) ** (1.0 / (len(changes) - 1)) if changes[-1] > 0.0 else 0.0
+    left = changes[0]
+    # noise has no direction: changes that go on growing or shrinking are none, however small
+    steady = len(changes) > 4 and len({b > a for a, b in pairwise(changes)}) == 1
+    if steady or np.any(np.abs(apart) > np.where(seen, noise, np.inf)):
+        left = max(changes[0], changes[0] * ratio / (1.0 - ratio)) if ratio < 1.0 else np.inf
     facts = {
         "period": period, "turns": {s: int(k) for s, k in zip(states, turned, strict=True) if k},
-        "change": change, "left": float(left),
+        "change": changes[0], "left": float(left),
     }  # fmt: skip
     if left <= within:
         kind = "whole turns" if np.any(turned) else "cycle"
-        since = _same_since(pieces, period, turned, within, n)
+        since = _same_since(pieces, period, turned, within)
         return _result(kind, states, low, high, mean, since=since, **facts)
-    note = (
-        f"it approaches a cycle of period {period:.5g}, {left:.2g} of its amplitude is still missing"
-        if ratio < 1.0
-        else f"it comes back after {period:.5g}, but ever less closely"
-    )
+    if changes[0] > 0.2:
+        return None
+    sizes = [
+        float(np.max(np.ptp(loop - back[:, None] * speed, axis=0) / units)) for loop in (loops[0], loops[-1])
+    ]
+    grows = (sizes[0] - sizes[1]) / (len(loops) - 1)
+    note = f"it comes back after {period:.5g}, {changes[0]:.2g} of its amplitude off, and not more closely than before"
+    if ratio < 1.0 or abs(grows) > 0.3 * changes[0]:
+        how = f"{'grows' if grows > 0.0 else 'falls'} by {abs(grows):.2g} of it a period"
+        note = f"it oscillates with a period of {period:.5g}, and its amplitude {how}"
     return _result("not settled", states, low, high, mean, note=note, **facts)
 
 
@@ -218,9 +237,9 @@ def _at_rest_since(pieces: Pieces, joints: np.ndarray, allowed: np.ndarray) -> f
     return float(pieces.times[far[-1] + 1]) if far.size else float(pieces.times[0])
 
 
-def _same_since(pieces: Pieces, period: float, turned: np.ndarray, within: float, n: int) -> float:
+def _same_since(pieces: Pieces, period: float, turned: np.ndarray, within: float) -> float:
     """From when on each period's amplitudes and means are near the last one's."""
-    end = pieces.times[-1]
+    end, n = pieces.times[-1], turned.size
     many = int((end - pieces.times[0]) / period)
     phases = np.arange(_SAMPLES) / _SAMPLES
     drift = phases[:, None] * turned * _TURN

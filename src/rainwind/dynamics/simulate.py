@@ -8,7 +8,7 @@ import numpy as np
 
 from rainwind.dynamics.drive import Drive, drive
 from rainwind.dynamics.engines import Choice
-from rainwind.dynamics.events import Crossings, Event, Function, Watch, checked, joined
+from rainwind.dynamics.events import Crossings, Event, Function, Watch, checked, joined, none
 from rainwind.dynamics.pieces import Pieces
 from rainwind.dynamics.pieces import joined as joined_pieces
 from rainwind.dynamics.signals import Signal
@@ -21,6 +21,8 @@ Progress = Callable[[int, int, str], None]
 TOLERANCES = (1e-15, 1e-2)
 _WIND = "wind.speed"
 _TURN = 2.0 * np.pi
+# a run blows up where so many steps cover less than this share of all time
+_MANY, _NO_TIME = 4096, 1e-7
 
 
 def simulate(
@@ -134,13 +136,25 @@ def _start(system: System, start: Any) -> np.ndarray:
     raise InputError(f"start = {start!r} has no state; give numbers, a mapping, an equilibrium or an orbit")
 
 
+@dataclass(frozen=True, eq=False)
+class _Block:
+    """Steps taken together: their pieces, crossings of what is watched, where they end, and all steps so far."""
+
+    pieces: Pieces
+    found: list[Crossings]
+    t: float
+    x: np.ndarray
+    sizes: np.ndarray
+    steps: int
+
+
 @dataclass(eq=False)
 class _Run:
     """A run under way: what has been done so far, and what is watched."""
 
     system: System
     driven: Drive
-    x: np.ndarray
+    start: np.ndarray
     duration: float
     tolerance: float
     events: tuple[Event, ...]
@@ -149,40 +163,48 @@ class _Run:
     progress: Progress | None
 
     def __post_init__(self) -> None:
-        self.t, self.sizes = 0.0, np.abs(self.x)
-        self.parts: list[Pieces] = []
+        self.blocks = [
+            _Block(
+                Pieces(np.zeros(1), np.zeros((0, self.start.size, 1))),
+                [],
+                0.0,
+                self.start,
+                np.abs(self.start),
+                0,
+            )
+        ]
         self.ended, self.note = RunEnded.DURATION, ""
         self.engines = Choice(self.system, self.driven, self.tolerance, self.method)
+        refuses = self.system.refusal is not None
         limits = [
-            Event(name, margin, -1 if self.system.refusal is not None else 0, self.system.refusal is not None)
+            Event(name, margin, -1 if refuses else 0, refuses)
             for name, (_, margin) in self.system.limits.items()
         ]
         self.watched = [self._watch(event) for event in (*self.events, *limits)]
-        self.found: list[list[Crossings]] = [[] for _ in self.watched]
-        self.start = self.x.copy()
 
     def go(self) -> None:
         """Block after block to the end, or to where it cannot go on."""
         try:
-            while self.t < self.duration and self.ended is RunEnded.DURATION:
-                self.block()
+            while self.blocks[-1].t < self.duration and self.ended is RunEnded.DURATION:
+                self._advance(self.blocks[-1])
                 if self.progress is not None:
-                    share = round(1000 * self.t / self.duration)
-                    self.progress(share, 1000, f"t = {self.t:.4g} of {self.duration:.4g}")
+                    t = self.blocks[-1].t
+                    self.progress(
+                        round(1000 * t / self.duration), 1000, f"t = {t:.4g} of {self.duration:.4g}"
+                    )
         except (KeyboardInterrupt, SystemError) as error:
             if not is_interrupt(error):
                 raise
             self.ended = RunEnded.INTERRUPTED
 
-    def block(self) -> None:
-        """One block of steps, cut at the first terminal event in it."""
-        left = self.most_steps - sum(len(part) for part in self.parts)
+    def _advance(self, last: _Block) -> None:
+        """One more block of steps, cut at the first terminal event in it."""
+        left = self.most_steps - last.steps
         if left <= 0:
-            self.ended = RunEnded.TOO_MANY_STEPS
-            self.note = f"{self.most_steps} steps; give most_steps more"
+            self.ended, self.note = RunEnded.TOO_MANY_STEPS, f"{self.most_steps} steps; give most_steps more"
             return
-        x, sizes = self.x.copy(), self.sizes.copy()
-        pieces, why = self.engines.advance(self.t, x, sizes, self.duration, left)
+        x, sizes = last.x.copy(), last.sizes.copy()
+        pieces, why = self.engines.advance(last.t, x, sizes, self.duration, left)
         driven = self.driven.on(pieces.times)
         found = [watch.crossings(pieces, driven, x) for watch in self.watched]
         terminal = [
@@ -190,52 +212,61 @@ class _Run:
             for i, (watch, crossings) in enumerate(zip(self.watched, found, strict=True))
             if watch.event.terminal and len(crossings)
         ]
+        ended, note = RunEnded.DURATION, ""
         if terminal:
             t, i = min(terminal)
             pieces, found = pieces.until(t), [crossings.before(t) for crossings in found]
-            x, why = found[i].state[0], None
-            self.ended = RunEnded.EVENT if i < len(self.events) else RunEnded.LEFT_VALIDITY
-            self.note = self._where(i, t, x)
-        # all of it at once: an interrupt leaves whole blocks
-        self.parts, self.found = (
-            [*self.parts, pieces],
-            [[*a, b] for a, b in zip(self.found, found, strict=True)],
-        )
-        self.t, self.x, self.sizes = float(pieces.times[-1]), x, sizes
-        if why is not None:
-            self.ended = RunEnded.RAN_AWAY if self._grew() else why
+            x = found[i].state[0]
+            ended = RunEnded.EVENT if i < len(self.events) else RunEnded.LEFT_VALIDITY
+            note = self._where(i, t, x)
+        self.blocks.append(_Block(pieces, found, float(pieces.times[-1]), x, sizes, last.steps + len(pieces)))
+        if not terminal and (why is not None or self._blows_up()):
+            ended = RunEnded.RAN_AWAY if why is None or self._grew() else why
             state = ", ".join(f"{n} = {v:.5g}" for n, v in zip(self.system.states, x, strict=True))
-            self.note = f"at t = {self.t:.6g}, {state}"
+            note = f"at t = {self.blocks[-1].t:.6g}, {state}"
+        self.ended, self.note = ended, note
+
+    def _blows_up(self) -> bool:
+        """Whether thousands of steps have covered next to no time while some state grew."""
+        last = self.blocks[-1]
+        before = next((b for b in reversed(self.blocks) if b.steps <= last.steps - _MANY), None)
+        if before is None or last.t - before.t > _NO_TIME * last.t or not len(before.pieces):
+            return False
+        largest = [np.abs(block.pieces.coefficients[:, :, 0]).max(axis=0) for block in (before, last)]
+        return bool(np.any(largest[1] > 1.2 * largest[0]))
 
     def _grew(self) -> bool:
         """Whether a run that cannot go on was growing without bound: in its last tenth a thousandfold."""
-        pieces = joined_pieces(self.parts)
-        early = pieces.times[:-1] <= 0.9 * self.t
+        pieces = joined_pieces([block.pieces for block in self.blocks])
+        early = pieces.times[:-1] <= 0.9 * pieces.times[-1]
         largest = np.abs(pieces.coefficients[early, :, 0]).max(axis=0, initial=0.0)
-        return bool(np.any(np.abs(self.x) > 1e3 * np.maximum(largest, 1e-300)))
+        return bool(np.any(np.abs(self.blocks[-1].x) > 1e3 * np.maximum(largest, 1e-300)))
 
     def trajectory(self) -> Trajectory:
         """What has been done so far."""
-        n = len(self.system.states)
-        pieces = joined_pieces(self.parts) if self.parts else Pieces(np.zeros(1), np.zeros((0, n, 1)))
-        found = [joined(parts) if parts else None for parts in self.found]
+        pieces = joined_pieces([block.pieces for block in self.blocks])
+        done = self.blocks[1:]
+        found = [
+            joined([none(watch.event.name, self.system.states), *(block.found[i] for block in done)])
+            for i, watch in enumerate(self.watched)
+        ]
         many = len(self.events)
         return Trajectory(
             states=self.system.states,
             parameters=dict(self.system.parameters),
             start=self.start,
-            end=self.x,
+            end=self.blocks[-1].x,
             pieces=pieces,
             ended=self.ended,
             tolerance=self.tolerance,
             note=self.note,
-            events={e.name: f for e, f in zip(self.events, found[:many], strict=True) if f is not None},
+            events={event.name: found[i] for i, event in enumerate(self.events)},
             outside=self._excursions(found[many:]),
             driven_names=self.driven.names,
             driven=Pieces(pieces.times, self.driven.on(pieces.times)) if self.driven.names else None,
             turning=_turning(self.system, self.start),
             units=dict(self.system.units),
-            steps=self.engines.steps,
+            steps=dict(self.engines.steps),
         )
 
     def _watch(self, event: Event) -> Watch:
@@ -258,16 +289,14 @@ class _Run:
         driven = self.driven.pieces.at(t)[None] if self.driven.names else np.zeros((1, 0))
         return float(function.at(x[None], driven)[0])
 
-    def _excursions(self, found: Sequence[Crossings | None]) -> tuple[Excursion, ...]:
+    def _excursions(self, found: Sequence[Crossings]) -> tuple[Excursion, ...]:
         excursions = []
         for (name, (_, margin)), crossings in zip(self.system.limits.items(), found, strict=True):
-            if crossings is None:
-                continue
             driven = self.driven.pieces.at(0.0)[None] if self.driven.names else np.zeros((1, 0))
             outside = self._function(margin, name).at(self.start[None], driven)[0] < 0.0
             leaving = [(0.0, self.start)] if outside else []
             leaving += list(zip(crossings.of(-1).times.tolist(), crossings.of(-1).state, strict=True))
-            back = [*crossings.of(1).times.tolist(), self.t][: len(leaving)]
+            back = [*crossings.of(1).times.tolist(), self.blocks[-1].t][: len(leaving)]
             excursions += [
                 Excursion(name, self._limited(name, t, x), x, t, until)
                 for (t, x), until in zip(leaving, back, strict=True)

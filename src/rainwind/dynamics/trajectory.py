@@ -9,7 +9,7 @@ import numpy as np
 
 from rainwind.dynamics.events import Crossings, Event, Function, Watch
 from rainwind.dynamics.pieces import Pieces
-from rainwind.dynamics.settled import Settled, settled
+from rainwind.dynamics.settled import Settled, settled, unsettled
 from rainwind.errors import InputError
 from rainwind.parameters import unknown_name
 
@@ -154,9 +154,14 @@ class Trajectory:
             total[first + 1 : first + 1 + half.size] = half * (values @ _WEIGHTS)
         return np.cumsum(total)
 
-    def settled(self) -> Settled:
-        """What the run settled to: an equilibrium, a cycle, whole turns, or nothing yet; and how well."""
-        return settled(self.pieces, self.states, self.turning, self.tolerance)
+    def settled(self, within: float = 0.01) -> Settled:
+        """What the run settled to: an equilibrium, a cycle, whole turns, or nothing yet; and how well.
+
+        within: what may still be missing, as a share of the amplitudes (equilibrium: of the run's range).
+        """
+        if self.ended in (RunEnded.RAN_AWAY, RunEnded.STEP_TOO_SMALL) or not len(self):
+            return unsettled(self.states, self.ended.value)
+        return settled(self.pieces, self.states, self.turning, self.tolerance, within)
 
     def to_xarray(self, times: Any = None) -> Any:
         """An xarray.Dataset of all states (and driven parameters) over time, with units where the model names them.
