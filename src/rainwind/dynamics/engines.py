@@ -5,6 +5,8 @@ a few steps from time to time, from where the run is; they are thrown away, and 
 cover is compared. Costs are estimated from the tape, not measured, so that a run repeated is the same run.
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 from rainwind.dynamics.drive import Drive
@@ -14,6 +16,7 @@ from rainwind.dynamics.kernels import taylor_code as code
 from rainwind.dynamics.pieces import Pieces
 from rainwind.dynamics.rosenbrock import Rosenbrock
 from rainwind.dynamics.system import System
+from rainwind.dynamics.tape import Tape
 from rainwind.dynamics.taylor import STEPS, Lanes, TaylorEngine
 from rainwind.dynamics.trajectory import RunEnded
 
@@ -30,7 +33,7 @@ class Taylor:
     name = "taylor"
 
     def __init__(self, system: System, driven: Drive, tolerance: float, moving: int) -> None:
-        self._engine = TaylorEngine(system, tolerance, driven=driven.names, lanes=1)
+        self._engine = _taylor(system.tape, tolerance, driven.names)
         self._parameters = np.array(list(system.parameters.values()), dtype=float)
         self._drives = [driven.pieces] if driven.names else []
         self._lanes: Lanes | None = None
@@ -69,6 +72,12 @@ class Taylor:
     def forget(self) -> None:
         """The next block begins anew: another engine has moved the run on."""
         self._lanes = None
+
+
+@lru_cache(maxsize=8)
+def _taylor(tape: Tape, tolerance: float, driven: tuple[str, ...]) -> TaylorEngine:
+    """One engine for all runs that differ in parameters only."""
+    return TaylorEngine(tape, tolerance, driven=driven, lanes=1)
 
 
 class Stiff:
@@ -141,24 +150,29 @@ class Choice:
         mean = (t - pieces.times[0]) / len(pieces)
         if self._since < self._pause and not mean < _CHANGED * self._step:
             return
-        other = self._resting[0]
-        other.forget()
-        x, s = state.copy(), sizes.copy()
-        tried, why = other.advance(t, x, s, end, _TRIAL)
-        other.forget()
         self._since, self._step, self._pause = 0, mean, min(2 * self._pause, _LAST)
-        if why is not None or not len(tried):
-            return
-        # its last steps: the first ones only find the length
-        late = tried.times[-1 - (len(tried) + 1) // 3 :]
-        step = float(late[-1] - late[0]) / (late.size - 1)
-        arrived = tried.times[-1] >= end
-        if step / other.cost > _BETTER * mean / self.on.cost or (
-            arrived and len(tried) * other.cost * _BETTER < (end - t) / mean * self.on.cost
-        ):
+        if cheaper(self._resting[0], self.on.cost, mean, t, state, sizes, end):
             self._change()
 
     def _change(self) -> None:
         self.on, self._resting = self._resting[0], [self.on]
         self.on.forget()
         self._since, self._pause, self._step = 0, _FIRST, 0.0
+
+
+def cheaper(
+    other: Taylor | Stiff, cost: float, mean: float, t: float, state: np.ndarray, sizes: np.ndarray, end: float
+) -> bool:
+    """Whether an engine, tried from here, costs clearly less than one whose steps cost `cost` and are `mean` long."""
+    other.forget()
+    tried, why = other.advance(t, state.copy(), sizes.copy(), end, _TRIAL)
+    other.forget()
+    if why is not None or not len(tried):
+        return False
+    # its last steps: the first ones only find the length
+    late = tried.times[-1 - max(1, (len(tried) + 1) // 3) :]
+    step = float(late[-1] - late[0]) / (late.size - 1)
+    if step / other.cost > _BETTER * mean / cost:
+        return True
+    arrived = bool(tried.times[-1] >= end)
+    return arrived and len(tried) * other.cost * _BETTER < (end - t) / mean * cost
