@@ -1,10 +1,12 @@
 """Figure 7 and the map of limit cycles behind it, against AUTO-07p's cycles at three damping ratios."""
 
 import json
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from rainwind.dynamics.orbit_results import Orbit
@@ -14,6 +16,7 @@ from rainwind.studies import paper
 from rainwind.studies.cycle_map import cycle_map
 
 approx = pytest.approx
+BOTH = ("section.frequency_y", "section.frequency_z")
 AUTO = json.loads((Path(__file__).parents[1] / "validation/auto/reference.json").read_text(encoding="utf-8"))
 # AUTO-07p 0.9.2 on the raw polynomials, polished, tests/validation/auto
 CYCLES = [c for c in AUTO["orbits"]["cycles"] if c["damping_ratio"] == 0.002]
@@ -152,3 +155,35 @@ def test_the_cycle_at_9_metres_per_second_is_unstable(result: figure_07.Result):
     assert isinstance(orbit, Orbit)
     assert orbit.unstable == 2
     assert np.degrees(orbit.amplitude["phi"]) == approx(13.3, abs=0.1)
+
+
+CASES = {  # cycles from 8.3 to 10.4 m/s only; flat orbits; a light cable
+    "narrow": {"section.damping_ratio": 0.0062},
+    "flat": {"section.damping_ratio": 0.001, "section.diameter": 0.16, **dict.fromkeys(BOTH, 3.0)},
+    "light": {"section.damping_ratio": 0.003, "section.mass": 20.0, **dict.fromkeys(BOTH, 2.5)},
+}
+
+
+@pytest.fixture(scope="module", params=sorted(CASES))
+def other(request: pytest.FixtureRequest):
+    return figure_07.compute(paper_model().with_parameters(CASES[request.param]))
+
+
+def test_cycles_are_drawn_at_speeds_that_have_some(other: figure_07.Result):
+    assert len(other.shown) == 3
+    assert all(other.shown.values())
+
+
+def test_no_tick_label_lies_on_another(other: figure_07.Result):
+    figure = figure_07.draw(other, Figure())
+    FigureCanvasAgg(figure).draw()
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            low, high = sorted(axis.get_view_interval())
+            boxes = [
+                tick.label1.get_window_extent()
+                for tick in axis.get_major_ticks()
+                if low <= tick.get_loc() <= high and tick.label1.get_text()  # type: ignore[attr-defined]
+            ]
+            assert len(boxes) > 1
+            assert not any(a.overlaps(b) for a, b in combinations(boxes, 2)), axes.get_title(loc="left")

@@ -8,11 +8,13 @@ cycles, its Neimark-Sacker point and the three cycles at 12 m/s.
 
 from dataclasses import dataclass
 from itertools import pairwise
+from math import floor, log10
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
+from matplotlib.ticker import MaxNLocator
 
 from rainwind.dynamics.diagram_results import drawn
 from rainwind.dynamics.orbit_results import Orbit, OrbitBranch, OrbitPoint
@@ -24,8 +26,11 @@ from rainwind.plotting.cycles import draw_cycles, draw_jump, draw_orbit, draw_ti
 from rainwind.studies import paper
 from rainwind.studies.cycle_map import SPEED, CycleMap, cycle_map
 from rainwind.studies.cycle_tables import cycle_tables
+from rainwind.studies.equilibrium_names import LETTERS, with_letter
 
-SHOWN = (9 / 8, 12 / 8, 14 / 8)  # the cycles are drawn at these multiples of the onset speed: 9, 12, 14 m/s
+SHOWN = (9 / 8, 12 / 8, 14 / 8)  # the paper's 9, 12, 14 m/s, as multiples of the onset speed
+_SPREAD = (1 / 6, 1 / 2, 5 / 6)  # parts of the speeds with cycles: drawn are these if one of those has none
+_LEAST = (22.0, 9.0)  # mm: a panel that equal scales would make smaller has none
 _ONE_PERIOD = 1.5  # a cycle is doubled where its period is this much longer than the shortest
 _SIDE = 1e-3  # of the window: how far beyond its end a stable branch's jump is looked up
 
@@ -57,10 +62,40 @@ class Result:
 def compute(model: RivuletModel | None = None, *, speeds: tuple[float, float] | None = None) -> Result:
     """Every branch of cycles in the window `speeds` (m/s), by default around the model's onset."""
     known = cycle_map(model or paper.model(), speeds)
+    return Result(known, {speed: known.cycles(speed) for speed in _chosen(known)}, tuple(_jumps(known)))
+
+
+def _chosen(known: CycleMap) -> list[float]:
+    """Three wind speeds at which there are cycles: the paper's multiples of the onset if it has them, else others."""
+    spans = _joined([(float(b.parameter.min()), float(b.parameter.max())) for b in known.branches])
+    total = sum(high - low for low, high in spans)
+    if total <= 0.0:
+        return []
     onset = known.equilibria.onset or known.equilibria.speeds[0]
-    low, high = known.equilibria.speeds
-    at = [speed for factor in SHOWN if low < (speed := round(factor * onset, 1)) < high]
-    return Result(known, {speed: known.cycles(speed) for speed in at}, tuple(_jumps(known)))
+    usual = [round(factor * onset, 1) for factor in SHOWN]
+    if all(any(low < speed < high for low, high in spans) for speed in usual):
+        return usual
+    digits = max(1, 1 - floor(log10(total / 10)))
+    return sorted({round(_along(spans, part * total), digits) for part in _SPREAD})
+
+
+def _joined(spans: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Overlapping ranges made one."""
+    found: list[tuple[float, float]] = []
+    for low, high in sorted(spans):
+        if found and low <= found[-1][1]:
+            low, high = found[-1][0], max(high, found.pop()[1])
+        found.append((low, high))
+    return found
+
+
+def _along(spans: list[tuple[float, float]], distance: float) -> float:
+    """The speed at a distance from the start of several ranges, gaps left out."""
+    for low, high in spans:
+        if distance <= high - low:
+            return low + distance
+        distance -= high - low
+    return spans[-1][1]
 
 
 def _jumps(known: CycleMap) -> list[Jump]:
@@ -212,22 +247,31 @@ def _cycles(result: Result, figure: Figure, grid: GridSpec, wide: bool) -> None:
             )  # fmt: skip
         axes.set(xlim=(0.0, 1.0), xlabel="time / period, from the largest $y$")
         rows[1].append(axes)
-    for row, label in zip(rows, ("$y$ (m), downward", r"rivulet angle $\phi$ (°)"), strict=True):
+    for row, label in zip(rows, ("$y$ (m),\ndownward", "rivulet angle\n" + r"$\phi$ (°)"), strict=True):
         if row:
             row[0].set_ylabel(label)
-            _together(row, aspect=label.startswith("$y$"))
+            _together(row, aspect=label.startswith("$y$"), size=(150.0 / len(row), 24.0))
 
 
-def _together(row: list[Axes], *, aspect: bool) -> None:
-    """The same window in all panels of a row."""
+def _together(row: list[Axes], *, aspect: bool, size: tuple[float, float]) -> None:
+    """The same window in all panels of a row, with equal scales unless they leave too little of it.
+
+    size: about the room of a panel, mm; where equal scales leave less, there are fewer ticks.
+    """
     ends = [(axes.get_xlim(), axes.get_ylim()) for axes in row if axes.lines]
     if not ends:
         return
     x = (min(e[0][0] for e in ends), max(e[0][1] for e in ends))
     y = (min(e[1][0] for e in ends), max(e[1][1] for e in ends))
+    wide, tall = x[1] - x[0], y[1] - y[0]
+    scale = min(size[0] / wide, size[1] / tall)
+    equal = aspect and scale * wide > _LEAST[0] and scale * tall > _LEAST[1]
+    room = (scale * wide, scale * tall) if equal else size
     for axes in row:
         axes.set(xlim=x, ylim=y)
-        if aspect:
+        axes.xaxis.set_major_locator(MaxNLocator(int(np.clip(room[0] / 11.0, 1, 5))))
+        axes.yaxis.set_major_locator(MaxNLocator(int(np.clip(room[1] / 6.0, 2, 4))))
+        if equal:
             axes.set_aspect("equal", adjustable="box")
 
 
@@ -243,12 +287,12 @@ def summary(result: Result) -> list[str]:
         return [*known.equilibria.existence(), "No limit cycle is born in this window."]
     said = known.equilibria.existence()
     for one in known.ranges():
-        parts = [f"equilibrium {letter}" for letter in one.equilibria if letter]
+        parts = [with_letter(letter) for letter in one.equilibria]
         parts += [f"a limit cycle of period {o.period:.3g} s ({_said(o)} half way)" for o in one.cycles]
         said.append(f"{one.low:.2f} to {one.high:.2f} m/s: stable {' and '.join(parts) or 'nothing found'}.")
     for kind, words in (
         ("lpc", "Folds of cycles"),
-        ("ns", "Neimark-Sacker points"),
+        ("ns", "Neimark–Sacker points"),
         ("pd", "Period doublings"),
     ):
         if points := known.points(kind):
@@ -257,7 +301,7 @@ def summary(result: Result) -> list[str]:
         goes = "rises above" if jump.rising else "falls below"
         to = {"cycle": "to another cycle", "": "away"}.get(jump.to, f"to equilibrium {jump.to}")
         said.append(f"Where the wind {goes} {jump.speed:.2f} m/s the stable vibration ends and jumps {to}.")
-    return [*said, *known.equilibria.notes, *known.diagram.notes]
+    return [*said, LETTERS, *known.equilibria.notes, *known.diagram.notes]
 
 
 def _said(orbit: Orbit) -> str:
