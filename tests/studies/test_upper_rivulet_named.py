@@ -168,7 +168,8 @@ def test_summaries_say_fold_critical_damping_and_unstable_speeds():
     assert said[0] == "The upper rivulet D exists above 8.00 m/s (fold)."
     assert said[1].startswith("Critical damping: 0.694 %, at 9.05 m/s")
     assert "0.2 %, D is unstable from 8.00 to 14.80 m/s" in said[2]
-    assert len(said) == 3
+    assert said[3].startswith("The paper's letters")
+    assert len(said) == 4
 
 
 def test_figure_6_marks_only_where_its_own_curve_crosses_zero():

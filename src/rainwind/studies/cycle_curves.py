@@ -6,7 +6,7 @@ are left out.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -38,8 +38,10 @@ SCANNED = (
 )  # parts of the critical damping at which branches are walked
 CONTINUE = {"lpc": continue_lpc, "ns": continue_ns, "pd": continue_pd}
 _KEPT = 8
+_MORE, _BELOW = 4, 0.02  # rows added below points where a fold is missing, by this part of their ratio
 _LIMIT = 800  # points a direction
 _SAME_SPEED, _SAME_SIZE, _SAME_PERIOD = 2e-3, 0.05, 1e-3  # of the window, of the size, of the period
+_SAME_POINT = 1e-3  # of the curves' extent
 _NEAR = 0.35  # of the curves' extent and of the size: an ns curve ends in a resonance no farther than this
 
 Progress = Callable[[str], None]
@@ -83,9 +85,20 @@ class CycleCurves:
             for point in curve.special:
                 if kind not in (None, point.kind) or not isinstance(point, OrbitPoint):
                     continue
-                if not (curve.kind == "ns" and point.kind == "r1" and self.resonance_at(point)):
+                if curve.kind == "ns" and point.kind == "r1" and self.resonance_at(point):
+                    continue
+                if not any(self._same(point, other) for other in found):
                     found.append(point)
         return tuple(sorted(found, key=lambda p: p.parameter))
+
+    def _same(self, a: OrbitPoint, b: OrbitPoint) -> bool:
+        """Whether two labels stand for one point, met on two curves."""
+        width = [float(np.ptp(np.concatenate([c[name] for c in self.curves]))) or 1.0 for name in ALONG]
+        apart = [abs(a.parameters[n] - b.parameters[n]) / w for n, w in zip(ALONG, width, strict=True)]
+        sizes = [p.orbit.amplitude["y"] for p in (a, b)]
+        return (
+            a.kind == b.kind and max(apart) < _SAME_POINT and np.ptp(sizes) < _SAME_SIZE * max(*sizes, 1e-9)
+        )
 
     def resonance_at(self, end: OrbitPoint) -> OrbitPoint | None:
         """The 1:1 resonance on a fold curve in which an ns curve ends; None if none is near."""
@@ -206,7 +219,10 @@ def _cycle_curves(
     notes: list[str] = []
     until = {SPEED: speeds, RATIO: ratios}
     # from the highest damping: there the curves are long and few
-    for ratio in sorted(scanned, reverse=True):
+    queue = sorted(scanned, reverse=True)
+    more = _MORE
+    while queue:
+        ratio = queue.pop(0)
         progress(f"limit cycles at {100 * ratio:.3g} % damping")
         row = Row(ratio, tuple(_branches(model, speeds, ratio, mesh, STEP / finer, notes)))
         rows.append(row)
@@ -223,7 +239,26 @@ def _cycle_curves(
                     continue
                 if not any(passes(curve, start, speeds) for start, _ in curves):
                     curves.append((point, curve))
-    return CycleCurves(tuple(rows[::-1]), tuple(curve for _, curve in curves), tuple(notes))
+        if not queue and more:
+            walked = [one.ratio for one in rows]
+            missed = _without_fold([curve for _, curve in curves], speeds)
+            queue = [r for r in missed if all(abs(r / other - 1.0) > _BELOW for other in walked)][:1]
+            more -= 1
+    rows.sort(key=lambda one: one.ratio)
+    return CycleCurves(tuple(rows), tuple(curve for _, curve in curves), tuple(notes))
+
+
+def _without_fold(curves: Sequence[OrbitBranch], speeds: tuple[float, float]) -> list[float]:
+    """Ratios just below points at which a fold of cycles meets an ns or pd curve, but no lpc curve was found there."""
+    folds = [curve for curve in curves if curve.kind == "lpc"]
+    points = [
+        p for c in curves if c.kind in ("ns", "pd") for p in c.special if p.kind in ("lpns", "foldflip")
+    ]
+    return sorted(
+        (1.0 - _BELOW) * p.parameters[RATIO]
+        for p in points
+        if not any(passes(fold, replace(p, kind="lpc"), speeds) for fold in folds)
+    )[::-1]
 
 
 def _branches(

@@ -23,7 +23,6 @@ from rainwind.plotting.cycle_curves import (
     LINES,
     NAMES,
     NOTHING,
-    WORDS,
     draw_curve,
     legend_handles,
     mark_points,
@@ -35,7 +34,9 @@ from rainwind.studies.branch_tables import diagram_tables
 from rainwind.studies.cycle_curve_tables import cycle_curve_tables
 from rainwind.studies.cycle_curves import RATIO, SCANNED, SPEED, Progress, cycle_curves
 from rainwind.studies.cycle_field import CycleField, cycle_field
+from rainwind.studies.equilibrium_names import LETTERS
 from rainwind.studies.stability_diagram import DAMPING_ALIKE, StabilityDiagram, sentences, stability_diagram
+from rainwind.studies.stability_sentences import cycle_sentences
 
 PERCENT = 100.0
 
@@ -91,18 +92,20 @@ def draw(result: Result, figure: Figure) -> Figure:
     diagram = result.diagram
     cycles = diagram.cycle_curves is not None and len(diagram.cycle_curves.curves) > 0
     with style.journal(figure, width="double" if cycles else "single", height=112 if cycles else 76):
+        doubts = result.stable.faults if result.stable is not None else ()
+        doubt = (f"the count of stable cycles is doubtful: {doubts[0]}",) if doubts else ()
+        notes = (*diagram.notes, *doubt)
         if not cycles:
             _whole(result, figure.add_subplot())
         else:
-            _panels(result, figure)
-        doubts = result.stable.faults if result.stable is not None else ()
-        doubt = (f"the count of stable cycles is doubtful: {doubts[0]}",) if doubts else ()
-        style.below(figure, (*diagram.notes, *doubt), letters=130 if cycles else 66)
+            # notes would lie on a legend below
+            _panels(result, figure, legend="outside upper center" if notes else "outside lower center")
+        style.below(figure, notes, letters=130 if cycles else 66)
     return figure
 
 
-def _panels(result: Result, figure: Figure) -> None:
-    """The whole window on the left; the upper corner and low damping on the right; one legend below."""
+def _panels(result: Result, figure: Figure, *, legend: str) -> None:
+    """The whole window on the left; the upper corner and low damping on the right; one legend at the place `legend`."""
     boxes = [box for box in (upper_corner(result), low_damping(result)) if box is not None]
     grid = figure.add_gridspec(
         max(1, len(boxes)), 2 if boxes else 1, width_ratios=(1.0, 1.05) if boxes else None
@@ -128,7 +131,7 @@ def _panels(result: Result, figure: Figure) -> None:
     codim2 = [kind for kind in NAMES if any(kind == k for k, _, _ in _marks(result))]
     counts = [1, 2] if stable.count.max() > 1 else [1]
     figure.legend(
-        handles=legend_handles(kinds, codim2, counts), loc="outside lower center", ncols=4, borderpad=0.2,
+        handles=legend_handles(kinds, codim2, counts), loc=legend, ncols=4, borderpad=0.2,
         columnspacing=1.2, handlelength=2.3,
     )  # fmt: skip
 
@@ -343,32 +346,12 @@ def _free(result: Result) -> np.ndarray:
 
 
 def summary(result: Result) -> list[str]:
-    """Plain sentences: fold, critical damping, where D is unstable at the case's damping, cycles, and notes."""
-    return [*sentences(result.diagram), *_cycle_sentences(result)]
-
-
-def _cycle_sentences(result: Result) -> list[str]:
-    """Which curves of cycles there are, up to which damping, and where a cycle is stable at the case's damping."""
-    curves, stable = result.diagram.cycle_curves, result.stable
-    if curves is None or stable is None:
-        return []
-    said = []
-    for kind, words in WORDS.items():
-        found = curves.of(kind)
-        if found:
-            top = PERCENT * max(float(c[RATIO].max()) for c in found)
-            number = "one curve" if len(found) == 1 else f"{len(found)} curves"
-            said.append(f"{words}: {number}, up to {top:.3f} % damping.")
-    points = ", ".join(
-        f"{p.kind} ({p.parameter:.3f} m/s, {PERCENT * p.parameters[RATIO]:.4f} %)" for p in result.points
-    )
-    if points:
-        said.append(f"Points on them: {points}.")
-    if result.sample_ratio is not None:
-        ranges = [f"{a:.2f} to {b:.2f} m/s" for a, b in stable.ranges(result.sample_ratio)]
-        where = " and ".join(ranges) or "no wind speed looked at"
-        said.append(f"At the case's damping a limit cycle is stable at {where}.")
-    return said + [f"{note[0].upper()}{note[1:]}." for note in (*curves.notes, *stable.faults)]
+    """Plain sentences: fold, critical damping, which damping stops everything, cycles, the letters, and notes."""
+    said = sentences(result.diagram)
+    if result.stable is not None:
+        marks = [(kind, speed, 0.01 * percent) for kind, speed, percent in _marks(result)]
+        said += cycle_sentences(result.diagram, result.stable, result.sample_ratio, marks)
+    return [*said, LETTERS]
 
 
 def tables(result: Result) -> dict[str, Table]:

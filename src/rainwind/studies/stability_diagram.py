@@ -126,7 +126,7 @@ def stability_diagram(
     else:
         fold = fold_curve(known, ratios)
         hopf = hopf_curves(known, fold, ratios, letters, ds)
-        pieces = [piece for curve in hopf for piece in pieces_of(known, curve)]
+        pieces = _distinct([piece for curve in hopf for piece in pieces_of(known, curve)])
         if not any(piece.letter == "D" for piece in pieces):
             notes += ("D has no Hopf point in this window",)
     on_d = [float(piece.ratio.max()) for piece in pieces if piece.letter == "D"]
@@ -153,6 +153,22 @@ def _one_ratio(model: RivuletModel) -> tuple[RivuletModel, tuple[str, ...]]:
     )
     note = f"varied here: one damping ratio, the same for y and z; the case itself has {y:.3g} % in y, {z:.3g} % in z"
     return replace(model, section=together), (note,)
+
+
+def _distinct(pieces: Sequence[HopfPiece]) -> list[HopfPiece]:
+    """Each piece once: two Hopf curves that cross near a 1:1 resonance may end on the same one of them."""
+    found: list[HopfPiece] = []
+    for piece in pieces:
+        alike = [p for p in found if (p.letter, p.others) == (piece.letter, piece.others)]
+        if not any(np.allclose(_corners(p), _corners(piece), rtol=1e-4, atol=1e-7) for p in alike):
+            found.append(piece)
+    return found
+
+
+def _corners(piece: HopfPiece) -> list[float]:
+    """Both ends of a piece, the slower first, and its highest damping ratio."""
+    ends = sorted((float(piece.speed[k]), float(piece.ratio[k])) for k in (0, -1))
+    return [*ends[0], *ends[1], float(piece.ratio.max())]
 
 
 def _once(points: Sequence[SpecialPoint]) -> tuple[SpecialPoint, ...]:
