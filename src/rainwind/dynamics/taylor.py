@@ -27,7 +27,13 @@ from rainwind.errors import InputError
 STEPS = 10_000_000  # of one trajectory
 BLOCK = 256  # steps of all lanes between two looks at the keyboard
 LOWEST, HIGHEST = 1e-15, 1e-2  # tolerances
+SAFETY = 0.1  # of a step's error: with it errors over some periods are near the tolerance (decision 24)
 _ALIGN = 8  # float64s: 64 bytes
+
+
+def best_order(tolerance: float) -> int:
+    """The order at which a given time costs least (Jorba & Zou, section 3.1)."""
+    return max(4, ceil(1.0 - 0.5 * log(SAFETY * tolerance)))
 
 
 class TaylorEnded(Enum):
@@ -85,7 +91,9 @@ class TaylorEngine:
 
     model: a system, or a tape, which may have more outputs than states: the coefficients of the others come with the
     steps. driven: names of the parameters that vary with time. tolerance: the error of a step relative to each
-    state's size, 1e-15 to 1e-2. lanes: trajectories side by side; no number depends on it. Raises InputError.
+    state's size, 1e-15 to 1e-2. lanes: trajectories side by side; no number depends on it. controlled: how many of
+    the states the steps are chosen for, by default all: of a tape with tangents, the system's own, so that the size
+    of disturbances changes no step. Raises InputError.
     """
 
     def __init__(
@@ -96,6 +104,7 @@ class TaylorEngine:
         driven: Sequence[str] = (),
         lanes: int | None = None,
         order: int | None = None,
+        controlled: int | None = None,
     ) -> None:
         tape = model if isinstance(model, Tape) else as_system(model).tape
         if not LOWEST <= number(tolerance, "tolerance") <= HIGHEST:
@@ -112,20 +121,32 @@ class TaylorEngine:
             if name not in tape.parameters:
                 raise InputError(f"'{name}' is no parameter; there are {', '.join(tape.parameters)}")
         n = len(tape.states)
+        controlled = n if controlled is None else controlled
+        if not 1 <= controlled <= n:
+            raise InputError(f"controlled must lie between 1 and {n}; got {controlled!r}")
         numbers = [n + tape.parameters.index(name) for name in self.driven]
         self._tape = for_taylor(tape, numbers)
         moves = moving_slots(self._tape, numbers)
         operations, template, outputs = self._tape.arrays
-        writer = TaylorCode(Program(operations, outputs, moves, n, numbers), self.order, self.lanes)
+        writer = TaylorCode(
+            Program(operations, outputs, moves, n, numbers, controlled), self.order, self.lanes
+        )
         self.layout = writer.layout
         key = sha256(b"".join(a.tobytes() for a in (operations, outputs))).hexdigest()
-        key = f"{key} {n} {template.size} {numbers} order {self.order} lanes {self.lanes}"
+        key = (
+            f"{key} {n} {template.size} {numbers} order {self.order} lanes {self.lanes} control {controlled}"
+        )
         self._addresses = (
             address(f"coefficients\n{key}", writer.coefficients),
             address(f"step\n{key}", writer.step),
         )
         still = operations[~moves[operations[:, 1]]] if len(operations) else operations
-        self._model = np.ascontiguousarray(still), template, np.array(self.layout.constants, dtype=np.int64)
+        self._model = (
+            np.ascontiguousarray(still),
+            template,
+            np.array(self.layout.constants, dtype=np.int64),
+            controlled,
+        )
         self._kept = np.array([*range(n), *self.layout.extra], dtype=np.int64)
 
     def advance(
@@ -244,14 +265,6 @@ class TaylorEngine:
         lanes = np.zeros((w, 4), dtype=np.int64)
         lanes[:, kernel.TRAJECTORY] = -1
         return rows, constants, control, lanes
-
-
-SAFETY = 1.0
-
-
-def best_order(tolerance: float) -> int:
-    """The order at which a given time costs least (Jorba & Zou, section 3.1)."""
-    return max(4, ceil(1.0 - 0.5 * log(tolerance)))
 
 
 class Lanes:

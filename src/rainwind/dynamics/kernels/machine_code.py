@@ -43,6 +43,8 @@ class Writer:
         self.vector = ir.VectorType(DOUBLE, lanes)
         self.bits = ir.VectorType(INT, lanes)
         self.function = ir.Function(self.module, ir.FunctionType(INT, [POINTER] * len(pointers)), name)
+        # vectors that registers have no room for then lie in one line of the cache each, not in two
+        self.function.attributes.alignstack = 64
         for argument in self.function.args:
             argument.add_attribute("noalias")
         self.pointers = dict(zip(pointers, self.function.args, strict=True))

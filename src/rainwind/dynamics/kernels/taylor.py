@@ -63,7 +63,7 @@ def _take_piece(lane, control, lanes, knots, table, states, end):
 @compiled
 def _begin(lane, job, model, jobs, drives, constants, control, lanes):
     """Put a trajectory into a lane."""
-    operations, template, slots = model
+    operations, template, slots, controlled = model
     starts, parameters, begins, ends, sizes, drive_of = jobs
     knots, table, first = drives
     n = starts.shape[1]
@@ -79,7 +79,7 @@ def _begin(lane, job, model, jobs, drives, constants, control, lanes):
         control[own + code.LOW, lane] = 0.0
         control[own + code.SIZE, lane] = sizes[job, i]
         control[own + code.LARGEST, lane] = max(sizes[job, i], abs(starts[job, i]))
-        fresh |= not sizes[job, i] > 0.0
+        fresh |= i < controlled and not sizes[job, i] > 0.0
     control[code.TIME, lane] = begins[job]
     control[code.TIME_LOW, lane] = 0.0
     control[code.SIGN, lane] = 1.0 if ends[job] >= begins[job] else -1.0
@@ -172,7 +172,8 @@ def march(addresses, memory, position, model, jobs, drives, results, record, kep
     """Steps of all lanes, at most limits[0] of them or until `record` is full; how many, 0 where all is done.
 
     addresses: of the code for coefficients and step; memory: rows, constants, control, lanes; position: the next
-    trajectory and the one after the last; model: operations and template for the constants, their slots; jobs: starts
+    trajectory and the one after the last; model: operations and template for the constants, their slots, how many states the
+    steps are chosen for; jobs: starts
     (N, n), parameters (N, m), begins, ends, sizes (N, n; 0: unknown), numbers of drives; drives: knots, table
     (K, D, 4), where each begins; results: states, times, statuses, steps, sizes; record: coefficients (B, r, P + 1, W), times,
     steps (signed; 0: none), trajectories (B, W); kept: the rows that go there; limits[1]: steps of one trajectory.
@@ -180,7 +181,7 @@ def march(addresses, memory, position, model, jobs, drives, results, record, kep
     rows, constants, control, lanes = memory
     coefficients, times, lengths, numbers = record
     knots, table, first = drives
-    n, width = jobs[0].shape[1], lanes.shape[0]
+    n, width, controlled = jobs[0].shape[1], lanes.shape[0], model[3]
     reach = 2.0 ** control[code.REACH, 0]
     ends, drive_of = jobs[3], jobs[5]
     blocks = coefficients.shape[0]
@@ -197,7 +198,7 @@ def march(addresses, memory, position, model, jobs, drives, results, record, kep
         if unknown:
             for lane in range(width):
                 if lanes[lane, FRESH] > 0:
-                    _first_sizes(lane, rows, control, n, reach)
+                    _first_sizes(lane, rows, control, controlled, reach)
                     lanes[lane, FRESH] = 0
         if blocks:
             for i in range(kept.size):

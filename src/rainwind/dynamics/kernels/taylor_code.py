@@ -62,8 +62,9 @@ class Program:
         moves: np.ndarray,
         states: int,
         driven: Sequence[int],
+        controlled: int,
     ) -> None:
-        self.moves, self.states, self.driven = moves, states, tuple(driven)
+        self.moves, self.states, self.driven, self.controlled = moves, states, tuple(driven), controlled
         self.outputs = [int(z) for z in outputs[:states]]
         self.extra = [int(z) for z in outputs[states:]]
         self.rows = {int(r[1]): tuple(int(i) for i in r) for r in operations if moves[r[1]]}
@@ -422,7 +423,7 @@ class TaylorCode:
         rows, control = w.pointers["rows"], w.pointers["control"]
         last = before = w.number(1e-300)
         floor = self._control(FLOOR)
-        for i in range(n):
+        for i in range(self.p.controlled):
             own, row = FIRST_OF_STATES + OF_A_STATE * i, self._row(("c", i))
             now = w.absolute(w.load(rows, row))
             largest = w.larger(now, self._control(own + LARGEST))
