@@ -154,7 +154,7 @@ def _cycle(
     sizes = [
         float(np.max(np.ptp(loop - back[:, None] * speed, axis=0) / units)) for loop in (loops[0], loops[-1])
     ]
-    grows = (sizes[0] - sizes[1]) / (len(loops) - 1)
+    grows = (sizes[0] / sizes[1]) ** (1.0 / (len(loops) - 1)) - 1.0
     note = f"it comes back after {period:.5g}, {changes[0]:.2g} of its amplitude off, and not more closely than before"
     if ratio < 1.0 or abs(grows) > 0.3 * changes[0]:
         how = f"{'grows' if grows > 0.0 else 'falls'} by {abs(grows):.2g} of it a period"

@@ -238,6 +238,8 @@ class _Run:
     def _grew(self) -> bool:
         """Whether a run that cannot go on was growing without bound: in its last tenth a thousandfold."""
         pieces = joined_pieces([block.pieces for block in self.blocks])
+        if not len(pieces):
+            return False
         early = pieces.times[:-1] <= 0.9 * pieces.times[-1]
         largest = np.abs(pieces.coefficients[early, :, 0]).max(axis=0, initial=0.0)
         return bool(np.any(np.abs(self.blocks[-1].x) > 1e3 * np.maximum(largest, 1e-300)))
@@ -264,7 +266,7 @@ class _Run:
             outside=self._excursions(found[many:]),
             driven_names=self.driven.names,
             driven=Pieces(pieces.times, self.driven.on(pieces.times)) if self.driven.names else None,
-            turning=_turning(self.system, self.start),
+            turning=turning_states(self.system, self.start),
             units=dict(self.system.units),
             steps=dict(self.engines.steps),
         )
@@ -305,7 +307,7 @@ class _Run:
         return tuple(sorted(excursions, key=lambda one: one.since))
 
 
-def _turning(system: System, x: np.ndarray) -> tuple[str, ...]:
+def turning_states(system: System, x: np.ndarray) -> tuple[str, ...]:
     """The states in which the system is 2-pi-periodic: tried at the start and some states around it."""
     scale = np.maximum(np.abs(x), 0.1)
     points = x + np.random.default_rng(1).uniform(-1.0, 1.0, (6, x.size)) * scale
