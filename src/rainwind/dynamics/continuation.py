@@ -39,6 +39,10 @@ class Adapting(Protocol):
         """The problem to go on with, and the node and its tangent's turn per length in its unknowns."""
         ...
 
+    def refined(self, node: Any, bend: np.ndarray, new: Any) -> tuple[Any, Any, np.ndarray] | None:
+        """The same to repeat the step from node to new with, in unknowns that suit it better; None if these do."""
+        ...
+
 
 class Walk:
     """Nodes one after another from a start; `ended` says why there are no more.
@@ -117,6 +121,10 @@ class Walk:
                 if step < smallest_step(self.ds):
                     self.ended = Ended.STEP_TOO_SMALL
                     return
+                continue
+            if adapting is not None and (finer := adapting.refined(node, bend, new)) is not None:
+                adapting, node, bend = finer
+                self.problem = adapting
                 continue
             new = replace(new, arclength=node.arclength + step)
             if any(not low <= new.u[k] <= high for k, (low, high) in self.window.items()):

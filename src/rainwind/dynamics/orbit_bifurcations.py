@@ -26,6 +26,7 @@ from rainwind.dynamics.orbit_conditions import (
 from rainwind.dynamics.orbit_equations import NEWTON_LIMIT, Linearised, OrbitEquations, OrbitNode
 from rainwind.dynamics.orbit_normal_forms import lpc_coefficient, ns_coefficient, pd_coefficient
 from rainwind.dynamics.orbit_results import OrbitPoint
+from rainwind.dynamics.orbit_trust import LOST, lost_in_rounding
 from rainwind.dynamics.results import Certificate, Unexplained
 
 Complex = NDArray[np.complex128]
@@ -113,6 +114,13 @@ class BranchInspector(OrbitInspector):
         if changes.tests == (True, False) and not (changes.real or changes.pairs):
             return Changes((False, False), (), ())
         return super().sorted_changes(changes, a, b)
+
+    def _unsettled(self, a: Probe, b: Probe, turns: bool) -> bool:
+        """As of equilibria, without the tests of an orbit that is lost in rounding."""
+        if lost_in_rounding(a.node.doubt) or lost_in_rounding(b.node.doubt):  # type: ignore[attr-defined]
+            a, b = (replace(p, node=replace(p.node, tests=np.ones(2)), pace=p.pace.copy()) for p in (a, b))
+            a.pace[-2:] = b.pace[-2:] = 0.0
+        return super()._unsettled(a, b, turns)
 
     def explain(self, a: Probe, b: Probe, points: list[Any], unexplained: list[Unexplained]) -> None:
         """As of equilibria; changes crowded at one place may be a branch point that the mesh has torn apart."""
@@ -256,8 +264,7 @@ def describe(
         angle = float(pairs[np.argmin(np.abs(pairs.real))].imag)
     found = bordered(problem, node.u, at, kind, angle or 0.0)
     checks["bordered determinant"] = (float(np.max(np.abs(found.values))), max(1e-6, error))
-    if kind not in ("lpc", "bp"):  # there the trivial multiplier is double, and means nothing
-        checks["trivial multiplier"] = (abs(node.trivial), max(1e-6, error))
+    checks["trivial multiplier"] = (node.trivial_error, max(LOST if kind in ("lpc", "bp") else 1e-6, error))
     if kind == "lpc":
         coefficient = lpc_coefficient(problem, node.u)
     elif kind == "pd":

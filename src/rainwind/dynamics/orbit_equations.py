@@ -16,6 +16,21 @@ from rainwind.dynamics.kernels.periodic_schur import log_multipliers
 from rainwind.dynamics.kernels.values import values
 from rainwind.dynamics.nodes import Node
 from rainwind.dynamics.orbit_results import Orbit, error_of
+from rainwind.dynamics.orbit_trust import (
+    LOST,
+    NONE,
+    UNSURE,
+    WRONG,
+    Doubt,
+    coarsening_is_safe,
+    doubt,
+    intervals_for,
+    lost_in_rounding,
+    mesh_is_to_blame,
+    stiffness,
+    trivial_error,
+    words,
+)
 from rainwind.dynamics.system import System
 
 NEWTON_LIMIT = 8
@@ -26,11 +41,13 @@ _COARSE, _FINE, USELESS = 1e-5, 1e-10, 1e-2
 
 @dataclass(frozen=True, slots=True)
 class OrbitNode(Node):
-    """A periodic orbit on a walk: u holds the profile at all nodes of the grid, the period and the free parameters.
+    """A periodic orbit on a walk: u holds the profile at all nodes of the grid, the period and the free
+    parameters.
 
     eigenvalues (n - 1,): log mu of all multipliers but the trivial one; trivial: log of that one as computed;
-    liouville: sum of all log|mu| less the integral of trace J; age: steps since the grid was last adapted; residual:
-    the largest defect before Newton's last step.
+    liouville: sum of the other log|mu| less the integral of trace J; age: steps since the grid was last
+    adapted; residual: the largest defect before Newton's last step; doubt: why the trivial multiplier is
+    wrong, where it is.
     """
 
     grid: Grid = None  # type: ignore[assignment]  # always given
@@ -38,6 +55,12 @@ class OrbitNode(Node):
     liouville: float = 0.0
     age: int = 0
     residual: float = 0.0
+    doubt: Doubt = field(default=NONE, kw_only=True)
+
+    @property
+    def trivial_error(self) -> float:
+        """How far the trivial multiplier is from 1, as `orbit_trust.trivial_error` has it."""
+        return trivial_error(self.trivial, self.eigenvalues)
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,6 +143,7 @@ class OrbitEquations:
             trivial=node.trivial,
             liouville=node.liouville,
             residual=node.residual,
+            doubt=words(node.trivial, node.doubt, node.liouville, node.eigenvalues),
         )
 
     # -- the grid -----------------------------------------------------------------------------------------------------
@@ -154,9 +178,39 @@ class OrbitEquations:
         error = self.mesh_error(x)
         if error > _COARSE and many < self.mesh.most:
             many = min(int(1.5 * many), self.mesh.most)
-        elif error < _FINE and many > self.mesh.intervals:
+        elif error < _FINE and many > self.mesh.intervals and self._coarsening_is_safe(node):
             many = max(int(many / 1.5), self.mesh.intervals)
-        grid = self.grid.adapted(x, np.maximum(1.0, np.abs(x).max(axis=0)), many)
+        return self._moved_to(self._spread_for(x, many), node, bend)
+
+    def refined(
+        self, node: OrbitNode, bend: np.ndarray, new: OrbitNode
+    ) -> tuple["OrbitEquations", OrbitNode, np.ndarray] | None:
+        """A node and its bend on a mesh fine enough for the next one's multipliers; None where this one is."""
+        if abs(new.trivial) < WRONG and abs(new.liouville) < UNSURE:
+            return None
+        many, error = len(self.grid.lengths), new.trivial_error
+        if error > WRONG and not mesh_is_to_blame(
+            error, self._doubt(new) if new.doubt is NONE else new.doubt
+        ):
+            error = 0.0
+        missing = stiffness(new.liouville, new.eigenvalues)
+        wanted = intervals_for(many, self.grid.degree, error, missing, self.mesh.most)
+        return (
+            self._moved_to(self._spread_for(self.profile(new.u), wanted), node, bend)
+            if wanted > many
+            else None
+        )
+
+    def _coarsening_is_safe(self, node: OrbitNode) -> bool:
+        return coarsening_is_safe(node.trivial_error, node.liouville, node.eigenvalues, self.grid.degree)
+
+    def _spread_for(self, x: np.ndarray, many: int) -> Grid:
+        """A grid of so many intervals for a profile."""
+        return self.grid.adapted(x, np.maximum(1.0, np.abs(x).max(axis=0)), many)
+
+    def _moved_to(
+        self, grid: Grid, node: OrbitNode, bend: np.ndarray
+    ) -> tuple["OrbitEquations", OrbitNode, np.ndarray]:
         other = self.on(grid)
         u, tangent, bend = self.moved(np.stack([node.u, node.tangent * self.scale, bend * self.scale]), grid)
         tangent = tangent / other.scale
@@ -197,6 +251,14 @@ class OrbitEquations:
 
     def correct(self, near: Node, u: np.ndarray, tangent: np.ndarray) -> OrbitNode | None:
         """The orbit in the hyperplane through u across the tangent; None when Newton fails."""
+        node = self._by_chain(near, u, tangent)
+        if isinstance(node, int):
+            return self._correct_by_sparse_matrix(near, u, tangent) if node == newton.POOR else None
+        lately = near.doubt is not NONE if isinstance(near, OrbitNode) else False
+        return self._doubted(node, near, tangent) if lately or not abs(node.trivial) < WRONG else node
+
+    def _by_chain(self, near: Node, u: np.ndarray, tangent: np.ndarray) -> OrbitNode | int:
+        """`correct` by the condensed chain; 0 where Newton fails, POOR where the linear algebra does."""
         iterations, found, turned, sign, exponents, trivial, liouville, residual = newton.correct(
             *self.tape,
             self.rule,
@@ -209,18 +271,39 @@ class OrbitEquations:
             NEWTON_LIMIT,
         )
         if iterations == newton.POOR:
-            return self._correct_by_sparse_matrix(near, u, tangent)
+            return newton.POOR
         if iterations == 0 or not (np.isfinite(residual) and np.all(np.isfinite(turned))):
-            return None
+            return 0
         if self.collapsed(found, u):
-            return None
+            return 0
         if np.any(np.isnan(exponents)):
             exponents, _, liouville = self.floquet(found, self.linearise(found))
         tests = np.array([turned[self.profile_size + 1], sign])
         return OrbitNode(
-            found, turned, 0.0, iterations, tests, exponents, None, self.grid, log_of_defect(trivial), liouville,
-            self.age_after(near), residual,
+            found, turned, 0.0, iterations, tests, exponents, None, self.grid, log_of_defect(trivial),
+            liouville, self.age_after(near), residual,
         )  # fmt: skip
+
+    def _doubted(self, node: OrbitNode, near: Node, tangent: np.ndarray) -> OrbitNode:
+        """A node whose trivial multiplier looks wrong, corrected once more, and what is the matter.
+
+        What is at hand is of the profile before Newton's last step. The difference is below Newton's
+        tolerance, but the orbit may magnify it as it does the errors of the mesh.
+        """
+        again = self._by_chain(near, node.u, tangent)
+        if isinstance(again, OrbitNode):
+            node = replace(again, iterations=node.iterations)
+        why = self._doubt(node)
+        if node.trivial_error < WRONG and why.rounding < 0.01 * LOST:
+            return node
+        # signs of the parameter's direction and of the determinant are noise then: labels show by exponents alone
+        lost = lost_in_rounding(why) and near.tests.size
+        return replace(node, doubt=why, tests=near.tests if lost else node.tests)
+
+    def _doubt(self, node: OrbitNode) -> Doubt:
+        at, flow = self.linearise(node.u), self.flow(node.u)
+        factors = kernel.deflated(at.steps, flow)
+        return doubt(at.steps, flow, factors, node.trivial, node.eigenvalues)
 
     def _correct_by_sparse_matrix(self, near: Node, u: np.ndarray, tangent: np.ndarray) -> OrbitNode | None:
         """`correct` with one sparse matrix for all equations: slow, for where an interval's own are singular."""
@@ -288,7 +371,7 @@ class OrbitEquations:
         return float(max(profile, rest))
 
     def floquet(self, u: np.ndarray, at: Linearised) -> tuple[np.ndarray, complex, float]:
-        """log mu of the nontrivial multipliers (n - 1,), that of the trivial one, and the Liouville error."""
+        """log mu of the nontrivial multipliers (n - 1,) and of the trivial one, and the Liouville error."""
         flow = self.flow(u)
         factors = kernel.deflated(at.steps, flow)
         exponents = log_multipliers(factors)
@@ -298,7 +381,7 @@ class OrbitEquations:
         _, period, _ = self.parts(u)
         traces = np.trace(at.by[:, :, : self.n], axis1=1, axis2=2).reshape(-1, self.grid.degree)
         integral = period * float(self.grid.lengths @ traces @ self.grid.basis.weights)
-        return exponents, trivial, float(exponents.real.sum() + trivial.real - integral)
+        return exponents, trivial, float(exponents.real.sum() - integral)
 
     def flow(self, u: np.ndarray) -> np.ndarray:
         """f at the mesh points (N + 1, n)."""

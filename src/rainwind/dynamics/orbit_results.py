@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rainwind.dynamics.collocation import Grid
+from rainwind.dynamics.orbit_trust import trivial_error
 from rainwind.dynamics.results import Ended, SpecialPoint, Unexplained, end_in_words, pieces_between
 from rainwind.errors import InputError
 from rainwind.parameters import unknown_name
@@ -20,8 +21,9 @@ class Orbit:
 
     profile (N m + 1, n): the states at all nodes of the grid; exponents (n - 1,): log mu of the nontrivial
     multipliers, largest first (real part log|mu|, imaginary part in (-pi, pi]); trivial: log of the multiplier that
-    should be 1, as computed; liouville: sum of all log|mu| less the integral of trace J, which should vanish; residual:
-    largest |F| of the collocation equations, before Newton's last step.
+    should be 1, as computed; liouville: sum of the nontrivial log|mu| less the integral of trace J, which should be 0;
+    residual: largest |F| of the collocation equations, before Newton's last step; doubt: why the multipliers may be
+    wrong, if they may.
     """
 
     states: tuple[str, ...]
@@ -33,6 +35,7 @@ class Orbit:
     trivial: complex
     liouville: float
     residual: float
+    doubt: str = ""
 
     @property
     def multipliers(self) -> NDArray[np.complex128]:
@@ -44,6 +47,11 @@ class Orbit:
     def mesh_error(self) -> float:
         """The estimated largest error of any state, in units of max(1, |state|)."""
         return error_of(self.grid, self.profile)
+
+    @property
+    def trivial_error(self) -> float:
+        """How far the trivial multiplier is from 1, with a meaning at folds and branch points too."""
+        return trivial_error(self.trivial, self.exponents)
 
     @property
     def unstable(self) -> int:
@@ -242,6 +250,9 @@ class OrbitBranch:
             if not p.certificate.holds
         ]
         faults += [str(gap) for gap in self.unexplained]
+        faults += [
+            _doubtful(self, reason) for reason in dict.fromkeys(o.doubt for o in self.orbits) if reason
+        ]
         places = [[self[k].parameters[n] for n in self.along] if len(self) else [] for k in (0, -1)]
         return faults + [
             end_in_words(end, self.along, at)
@@ -257,6 +268,14 @@ class OrbitBranch:
         ) or ", ".join(self.along)
         labels = "; ".join(map(str, self.special)) or "none"
         return f"<{self.kind} in {ranges}: {len(self)} orbits; special points: {labels}>"
+
+
+def _doubtful(branch: OrbitBranch, reason: str) -> str:
+    """How many orbits of a branch are in doubt for one reason, and where."""
+    orbits = [orbit for orbit in branch.orbits if orbit.doubt == reason]
+    values = [orbit.parameters[branch.along[0]] for orbit in orbits]
+    many = f"{len(orbits)} orbits" if len(orbits) > 1 else "1 orbit"
+    return f"{many} at {branch.along[0]} = {min(values):.10g} to {max(values):.10g}: {reason}"
 
 
 def _unstable(kind: str, exponents: NDArray[np.complex128]) -> int:
@@ -285,7 +304,7 @@ def _value(point: OrbitPoint, name: str) -> float:
         return float("nan")
 
 
-_NUMBERS = ("period", "mesh_error", "liouville", "residual", "unstable")
+_NUMBERS = ("period", "mesh_error", "liouville", "residual", "unstable", "trivial_error")
 ORBIT_KINDS = (
     "lpc", "pd", "ns", "bp", "hopf",
     "cpc", "ch", "gpd", "gh", "zh", "event", "r1", "r2", "r3", "r4", "foldflip", "lpns", "pdns", "nsns",

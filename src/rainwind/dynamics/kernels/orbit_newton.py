@@ -28,7 +28,8 @@ def correct(tape, inputs, free, rule, h, u, tangent, scale, units, tolerance, li
 
     rule: Gauss weights, values w and slopes d of the basis; h: lengths of the intervals; units (n,) of the states.
     Returns iterations (0: not converged; POOR: the linear algebra failed), u, tangent, sign of the determinant, log mu
-    without the trivial one, 1 - 1/mu of that one, the Liouville error and the largest defect before the last step.
+    without the trivial one, 1 - 1/mu of that one, the Liouville error of the others, the largest defect before the last
+    step.
     """
     weights, w, d = rule
     m, n, q = w.shape[0], units.size, free.size
@@ -144,7 +145,7 @@ def _floquet(tape, inputs, free, w, weights, h, x, u, size, steps, by, reduced):
         for i in range(m):
             for c in range(n):
                 integral += u[size] * h[j] * weights[i] * by[j * m + i, c, c]
-    total = np.log(1.0 / (1.0 - trivial)) if trivial < 1.0 else 0.0
+    total = 0.0
     for k in range(n - 1):
         total += exponents[k].real
     return exponents, trivial, total - integral
