@@ -97,7 +97,12 @@ def test_a_column_that_is_not_there_names_all_that_are():
     circle = zoo.hopf()
     (start,) = rw.continue_equilibria(circle.system, "mu", start=[0, 0], until=(-1, 1)).points()
     orbits = rw.continue_orbits(
-        circle.system, "mu", start=start, until=(-1, 1), ds=0.5, monitors=[rw.Monitor("size", lambda orbit: orbit.amplitude["x"])]
+        circle.system,
+        "mu",
+        start=start,
+        until=(-1, 1),
+        ds=0.5,
+        monitors=[rw.Monitor("size", lambda orbit: orbit.amplitude["x"])],
     )
     with pytest.raises(rw.RainwindError) as error:
         orbits["zz"]
