@@ -416,3 +416,27 @@ def test_to_xarray_has_units():
         run.to_xarray([6.0])
     with pytest.raises(InputError, match="one row of numbers"):
         run.to_xarray([[1.0]])
+
+
+def test_a_trajectory_saved_and_loaded_is_the_same(tmp_path):
+    model = rw.paper_model(outside="extend").with_parameters({"wind.speed": 12.0})
+    top = rw.Event("top", lambda x, p: x.y_dot, direction=-1)
+    never = rw.Event("never", lambda x, p: x.y - 100.0, terminal=True)
+    run = rw.simulate(model, {"phi": 1.0}, duration=30.0, wind=rw.ramp(11.0, 12.0, 5.0), events=[top, never])
+    rw.save(run, tmp_path / "run.nc")
+    same = rw.load(tmp_path / "run.nc")
+    t = np.linspace(0.0, 30.0, 301)
+    assert same.at(t).tolist() == run.at(t).tolist()
+    assert same.ended is rw.RunEnded.DURATION
+    assert same.parameters == run.parameters
+    assert same.events["top"].times.tolist() == run.events["top"].times.tolist()
+    assert same.events["top"].rising.dtype == bool
+    assert len(same.events["never"]) == 0
+    assert same["wind.speed"].tolist() == run["wind.speed"].tolist()
+    assert repr(same) == repr(run)
+    assert same.section(("y", 0.0)).times.tolist() == run.section(("y", 0.0)).times.tolist()
+    assert same.settled() == run.settled()
+    rw.save(run, tmp_path / "run.csv")
+    first, *rows = (tmp_path / "run.csv").read_text(encoding="utf-8").splitlines()
+    assert first == "time [s],y [m],phi [rad],z [m],y_dot [m/s],phi_dot [rad/s],z_dot [m/s],wind.speed [m/s]"
+    assert len(rows) == len(run) + 1

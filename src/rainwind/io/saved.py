@@ -1,4 +1,4 @@
-"""Branches, curves and orbits out and in again, complete: a loaded one starts further walks as the first one does.
+"""Results out and in again, complete: a loaded branch, orbit or trajectory serves as the first one does.
 
 One netCDF-4 file holds the columns as named arrays with units, for any tool that reads netCDF, and the rest (labels,
 certificates, why it ended) as one JSON text in the group `facts`, which refers to numbered arrays and orbits.
@@ -16,8 +16,11 @@ import numpy as np
 
 from rainwind import __version__
 from rainwind.dynamics.collocation import Grid
+from rainwind.dynamics.events import Crossings
 from rainwind.dynamics.orbit_results import Orbit, OrbitBranch, OrbitPoint
+from rainwind.dynamics.pieces import Pieces
 from rainwind.dynamics.results import Branch, Certificate, Ended, Equilibrium, SpecialPoint, Unexplained
+from rainwind.dynamics.trajectory import Excursion, RunEnded, Trajectory
 from rainwind.errors import InputError
 from rainwind.io.results import Column, Table, load_netcdf, save_csv, save_netcdf
 from rainwind.io.schema import NUMBERS
@@ -25,11 +28,12 @@ from rainwind.io.schema import NUMBERS
 __all__ = ["load", "save", "table"]
 
 FORMAT = 1
-Result = Branch | OrbitBranch | Orbit | Equilibrium | SpecialPoint
-_CLASSES = {
-    kind.__name__: kind
-    for kind in (Branch, OrbitBranch, Equilibrium, SpecialPoint, OrbitPoint, Certificate, Unexplained, Grid)
-}
+Result = Branch | OrbitBranch | Orbit | Equilibrium | SpecialPoint | Trajectory
+_SAVED = (
+    Branch, OrbitBranch, Equilibrium, SpecialPoint, OrbitPoint, Certificate, Unexplained, Grid, Trajectory, Pieces,
+    Crossings, Excursion,
+)  # fmt: skip
+_CLASSES = {kind.__name__: kind for kind in _SAVED}
 _STATE_UNITS = {"y": "m", "z": "m", "phi": "rad", "y_dot": "m/s", "z_dot": "m/s", "phi_dot": "rad/s"}
 # one number an orbit each: the period, what checks it, and whatever another version adds
 _NOT_NUMBERS = ("states", "parameters", "grid", "profile", "exponents")
@@ -37,13 +41,15 @@ _NUMBERS = tuple(f.name for f in dataclasses.fields(Orbit) if f.name not in _NOT
 
 
 def save(result: Result, path: Path | str) -> None:
-    """Write a branch, a curve or an orbit to a netCDF-4 file, from which `load` gives it back complete.
+    """Write a branch, a curve, an orbit or a trajectory to a netCDF-4 file, from which `load` gives it back complete.
 
     The path ends with .nc; one that ends with .csv gets the table of its columns instead, which cannot be loaded
     again. Raises InputError for what is no result, for another ending, and where the file cannot be written.
     """
     if not isinstance(result, Result):
-        raise InputError(f"a branch, a curve, an orbit or a point can be saved; got {type(result).__name__}")
+        raise InputError(
+            f"a branch, a curve, an orbit, a trajectory or a point can be saved; got {type(result).__name__}"
+        )
     ending = Path(path).suffix.lower()
     if ending not in (".nc", ".csv"):
         raise InputError(
@@ -57,7 +63,7 @@ def save(result: Result, path: Path | str) -> None:
     facts = {"format": FORMAT, "result": parts.plain(result)}
     units = _units(result.states, _parameters(result))
     tables = parts.tables(units)
-    if isinstance(result, Branch | OrbitBranch):
+    if isinstance(result, Branch | OrbitBranch | Trajectory):
         tables["columns"] = table(result)  # for other programs to read: `load` does not
     tables["facts"] = Table({"json": Column([json.dumps(facts)])}, {"digest": ""})
     tables["facts"] = dataclasses.replace(
@@ -67,7 +73,7 @@ def save(result: Result, path: Path | str) -> None:
 
 
 def load(path: Path | str) -> Any:
-    """The branch, curve or orbit that `save` wrote. Raises InputError for any other file, and for a damaged one."""
+    """The branch, curve, orbit or trajectory that `save` wrote. Raises InputError for any other file, and for a damaged one."""
     if Path(path).suffix.lower() == ".csv":
         raise InputError(
             f"{path}: a CSV file holds columns only and cannot be loaded; save the result once more under a name that "
@@ -127,6 +133,12 @@ def table(result: Result) -> Table:
                 result[name], units.get(name, ""), dimensions=("node",)
             )
         return Table(_escaped(columns), {"kind": "orbit", "period": result.period})
+    if isinstance(result, Trajectory):
+        columns = {"time": Column(result.times, "s" if units else "")}
+        for name in (*result.states, *result.driven_names):
+            label = f"state {name}" if name == "time" else name
+            columns[label] = Column(result[name], units.get(name, ""))
+        return Table(_escaped(columns), {"kind": "trajectory", "ended": result.ended.value})
     names = (*result.parameters, *result.states)
     values = (*result.parameters.values(), *result.state.tolist())
     return Table(_escaped({n: Column([v], units.get(n, "")) for n, v in zip(names, values, strict=True)}))
@@ -147,6 +159,8 @@ class _Parts:
             return value
         if isinstance(value, complex):
             return {"complex": [value.real, value.imag]}
+        if isinstance(value, RunEnded):
+            return {"run ended": value.name}
         if isinstance(value, Enum):
             return {"ended": value.name}
         if isinstance(value, np.ndarray):
@@ -221,6 +235,8 @@ class _Read:
             return complex(of[0], of[1])
         if kind == "ended":
             return _of_this_version(Ended.__members__, of)
+        if kind == "run ended":
+            return RunEnded[of]
         if kind == "array":
             return _array(self.arrays, f"a{of}")
         if kind == "orbit":
