@@ -35,7 +35,7 @@ def simulate(
     tolerance: float = 1e-9,
     events: Event | Sequence[Event] = (),
     method: Literal["auto", "taylor", "rosenbrock"] = "auto",
-    most_steps: int = 1_000_000,
+    most_steps: int = 500_000,
     progress: Progress | None = None,
 ) -> Trajectory:
     """Follow a system from t = 0 over a duration.
@@ -45,7 +45,7 @@ def simulate(
     of time, on whose knots steps stop, and must cover the whole duration. wind: short for the parameter "wind.speed".
     tolerance: of each step, relative to the size that each state has had, 1e-15 to 1e-2. method: "taylor" for smooth
     runs, "rosenbrock" for stiff ones, "auto" takes what costs less and looks again on the way.
-    progress(done, total, what) is called often.
+    most_steps: of which each keeps its polynomial in memory. progress(done, total, what) is called often.
     A run that cannot go on, or Ctrl-C, gives what there is up to then: `run.ended` says why.
     Raises InputError for anything that makes no sense, a start where a model refuses its coefficients among it.
     """

@@ -73,7 +73,7 @@ def save(result: Result, path: Path | str) -> None:
 
 
 def load(path: Path | str) -> Any:
-    """The branch, curve, orbit or trajectory that `save` wrote. Raises InputError for any other file, and for a damaged one."""
+    """The result that `save` wrote. Raises InputError for any other file, and for a damaged one."""
     if Path(path).suffix.lower() == ".csv":
         raise InputError(
             f"{path}: a CSV file holds columns only and cannot be loaded; save the result once more under a name that "
