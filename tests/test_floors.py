@@ -26,7 +26,11 @@ ONLY_IN = {
     "pint": {"io"},
 }
 
-ALSO_IN = {("xarray", f"{PACKAGE}.dynamics.trajectory")}  # `to_xarray` of a trajectory, when it is called
+# `to_xarray` of a trajectory and an ensemble, when it is called
+ALSO_IN = {
+    ("xarray", f"{PACKAGE}.dynamics.trajectory"),
+    ("xarray", f"{PACKAGE}.dynamics.ensemble_results"),
+}
 
 
 def modules(source: Path) -> dict[str, Path]:

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from rainwind.dynamics.diagram_results import Diagram as Diagram
     from rainwind.dynamics.energy import EnergyBalance as EnergyBalance
     from rainwind.dynamics.energy import energy_balance as energy_balance
+    from rainwind.dynamics.ensemble_results import Ensemble as Ensemble
+    from rainwind.dynamics.ensembles import ensemble as ensemble
     from rainwind.dynamics.equilibria import continue_equilibria as continue_equilibria
     from rainwind.dynamics.equilibria import find_equilibria as find_equilibria
     from rainwind.dynamics.equilibria import find_equilibrium as find_equilibrium
@@ -34,9 +36,23 @@ if TYPE_CHECKING:
     from rainwind.dynamics.orbit_results import OrbitPoint as OrbitPoint
     from rainwind.dynamics.orbits import continue_orbits as continue_orbits
     from rainwind.dynamics.records import record as record
+    from rainwind.dynamics.reductions import SETTLED as SETTLED
+    from rainwind.dynamics.reductions import Extremes as Extremes
+    from rainwind.dynamics.reductions import Lyapunov as Lyapunov
+    from rainwind.dynamics.reductions import Mean as Mean
+    from rainwind.dynamics.reductions import Returns as Returns
+    from rainwind.dynamics.reductions import Settled as Settled
+    from rainwind.dynamics.reductions import TimeTo as TimeTo
     from rainwind.dynamics.results import Branch as Branch
     from rainwind.dynamics.results import Ended as Ended
     from rainwind.dynamics.results import SpecialPoint as SpecialPoint
+    from rainwind.dynamics.sampling import Sample as Sample
+    from rainwind.dynamics.sampling import grid as grid
+    from rainwind.dynamics.sampling import latin_hypercube as latin_hypercube
+    from rainwind.dynamics.sampling import lognormal as lognormal
+    from rainwind.dynamics.sampling import normal as normal
+    from rainwind.dynamics.sampling import sobol as sobol
+    from rainwind.dynamics.sampling import uniform as uniform
     from rainwind.dynamics.shooting import shoot as shoot
     from rainwind.dynamics.signals import Signal as Signal
     from rainwind.dynamics.signals import ramp as ramp
@@ -44,6 +60,8 @@ if TYPE_CHECKING:
     from rainwind.dynamics.system import System as System
     from rainwind.dynamics.trajectory import RunEnded as RunEnded
     from rainwind.dynamics.trajectory import Trajectory as Trajectory
+    from rainwind.dynamics.workers import Cluster as Cluster
+    from rainwind.dynamics.workers import Processes as Processes
     from rainwind.elementary import acos as acos
     from rainwind.elementary import asin as asin
     from rainwind.elementary import atan as atan
@@ -80,6 +98,15 @@ _HOME = {
     "diagram": "dynamics.diagram",
     "Diagram": "dynamics.diagram_results",
     **dict.fromkeys(("EnergyBalance", "energy_balance"), "dynamics.energy"),
+    "Ensemble": "dynamics.ensemble_results",
+    "ensemble": "dynamics.ensembles",
+    **dict.fromkeys(
+        ("SETTLED", "Extremes", "Lyapunov", "Mean", "Returns", "Settled", "TimeTo"), "dynamics.reductions"
+    ),
+    **dict.fromkeys(
+        ("Sample", "grid", "latin_hypercube", "lognormal", "normal", "sobol", "uniform"), "dynamics.sampling"
+    ),
+    **dict.fromkeys(("Cluster", "Processes"), "dynamics.workers"),
     "continue_equilibria": "dynamics.equilibria",
     "find_equilibria": "dynamics.equilibria",
     "find_equilibrium": "dynamics.equilibria",
