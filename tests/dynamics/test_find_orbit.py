@@ -142,7 +142,7 @@ def test_orbits_continue_from_what_was_found():
     [
         (hopf(0.04), [0.0, 0.0], r"the start is an equilibrium itself \(unstable focus\)"),
         (hopf(-0.1), [1.0, 0.0], r"comes to rest by t = \S+, at the stable focus x = .* farther from it"),
-        (hopf(-0.25, 1.0), [0.6, 0.0], r"runs away between t = .* basin of attraction"),
+        (hopf(-0.25, 1.0), [0.6, 0.0], r"between t = .* runs away.* basin of attraction"),
     ],
 )
 def test_what_settles_on_no_orbit(system, start, message):
@@ -217,3 +217,50 @@ def test_an_orbit_through_refused_states():
     )
     with pytest.raises(ComputationError, match="the model refuses: x is high"):
         find_orbit(strict, [0.5, 0.0])
+
+
+def oscillator(friction: float, cubic: float = 0.0):
+    return rw.System(
+        lambda x, p: (x.v, p.mu * (1 - x.u**2) * x.v - x.u - p.k * x.u**3),
+        ("u", "v"),
+        {"mu": friction, "k": cubic},
+    )
+
+
+@pytest.mark.parametrize("cubic", [0.0, 1.0])  # the harmonic oscillator, and Duffing's, whose periods differ
+@pytest.mark.parametrize("period", [None, 5.5])
+def test_a_family_of_orbits_is_called_one(cubic, period):
+    with pytest.raises(ComputationError, match="a whole family of orbits, none of them isolated"):
+        find_orbit(oscillator(0.0, cubic), {"u": 1.0, "v": 0.0}, period=period)
+
+
+def test_an_orbit_that_attracts_slowly_is_no_family():
+    # mu = 0.01: period 2 pi (1 + mu^2 / 16), multiplier exp(-2 pi mu), Lindstedt's series
+    orbit = find_orbit(oscillator(0.01), {"u": 2.05, "v": 0.0})
+    assert orbit.period == pytest.approx(2 * np.pi * (1 + 1e-4 / 16), abs=1e-8)
+    assert orbit.exponents[0].real == pytest.approx(-0.02 * np.pi, abs=1e-5)
+
+
+@pytest.mark.parametrize("period", [None, 3.0])
+def test_a_rate_that_is_not_finite_at_the_start_is_named(period):
+    broken = rw.System(lambda x, p: (rw.log(x.u), x.v - x.u), ("u", "v"))
+    with pytest.raises(InputError, match="not finite at the start u = -1, v = 0: the rate of u is nan"):
+        find_orbit(broken, {"u": -1.0, "v": 0.0}, period=period)
+
+
+def test_a_trajectory_that_leaves_where_f_is_finite_does_not_run_away():
+    leaving = rw.System(lambda x, p: (-1 + 0 * x.u, rw.sqrt(x.u)), ("u", "v"))
+    with pytest.raises(ComputationError, match="f is not finite"):
+        find_orbit(leaving, {"u": 1.0, "v": 0.0})
+
+
+def test_a_trajectory_that_runs_away_is_said_to():
+    explosive = rw.System(lambda x, p: (x.u + x.v, x.v - x.u), ("u", "v"))
+    with pytest.raises(ComputationError, match="the trajectory runs away: a state passes 1e"):
+        find_orbit(explosive, {"u": 1.0, "v": 0.0})
+
+
+def test_a_stiff_trajectory_is_called_stiff(monkeypatch):
+    monkeypatch.setattr("rainwind.dynamics.find_orbit.WITHOUT_TURN", 6)
+    with pytest.raises(ComputationError, match=r"it is stiff: rates there go from 5\.\d+e-05 to 2\.9\de\+04"):
+        find_orbit(oscillator(1e4), {"u": 2.0, "v": 0.0})  # at u = 2, v = -u / (3 mu): 5 / 3 / 3 mu and 3 mu

@@ -9,10 +9,11 @@ import numpy as np
 from rainwind.dynamics.collocation import Mesh
 from rainwind.dynamics.equilibria import find_equilibrium
 from rainwind.dynamics.newton import solve_equilibrium
+from rainwind.dynamics.orbit_families import ONE_OF_MANY, is_one_of_many
 from rainwind.dynamics.orbit_from_guess import CLOSED, Guess, gap_of, orbit_near
 from rainwind.dynamics.orbit_results import Orbit, OrbitPoint
 from rainwind.dynamics.results import Equilibrium
-from rainwind.dynamics.settling import Integration, Trajectory
+from rainwind.dynamics.settling import STIFF, Integration, Trajectory
 from rainwind.dynamics.system import System, as_system, number
 from rainwind.errors import ComputationError, InputError
 
@@ -23,6 +24,7 @@ APART, TURNS_APART = 1e-5, 30
 CHAOTIC = 300.0  # spread in so many turns; on a torus it grows in proportion to them
 COMES_BACK = 0.1  # of its range: a return from which Newton is tried
 NEAR, AT_REST = 0.05, 1e-3
+_REPEATS = 1e-3  # in units: a return from which it is asked whether everything beside closes too
 
 
 def find_orbit(
@@ -60,6 +62,7 @@ def find_orbit(
     if isinstance(start, tuple) and len(start) == 2 and np.ndim(start[0]) == 1:
         return _checked(system, _from_simulation(system, start, period, mesh))
     x = system.state(start.state if isinstance(start, Equilibrium) else start)
+    _refuse_not_finite(system, x)
     if period is None:
         return _checked(system, _settled(system, x, float(transient), mesh))
     return _checked(system, _from_state(system, x, float(period), mesh))
@@ -131,10 +134,12 @@ def _from_simulation(system: System, start: tuple[Any, Any], period: float | Non
 
 def _from_state(system: System, x: np.ndarray, period: float, mesh: Mesh) -> Orbit:
     """The trajectory over the period that was guessed, or up to where it comes back nearest about then."""
-    run = Integration(system).run(x, 1.3 * period, np.maximum(np.abs(x), 1e-3 * np.max(np.abs(x)) + 1e-9))
+    integration = Integration(system)
+    run = integration.run(x, 1.3 * period, np.maximum(np.abs(x), 1e-3 * np.max(np.abs(x)) + 1e-9))
     if run is None:
         raise ComputationError(
-            f"the trajectory from the start runs away within 1.3 periods of {period:g}; give a nearer state"
+            f"within 1.3 periods of {period:g} the trajectory from the start {integration.why}; give a state nearer to "
+            "the orbit, or a shorter period"
         )
     units = run.units()
     times = period * np.linspace(0.7, 1.3, 601)
@@ -144,6 +149,8 @@ def _from_state(system: System, x: np.ndarray, period: float, mesh: Mesh) -> Orb
         if found is not None and _swings(found, units):
             return found
     _refuse_equilibrium(system, x)
+    if is_one_of_many(integration, x, units, nearest):
+        raise ComputationError(ONE_OF_MANY.format(nearest))
     raise ComputationError(
         f"Newton finds no orbit from this state with a period near {period:g}; the trajectory comes back nearest "
         f"after {nearest:.6g}, and then {_gap_in_words(_first(run, nearest))}; give a state nearer to the orbit, "
@@ -175,8 +182,8 @@ def _settled(system: System, x: np.ndarray, transient: float, mesh: Mesh) -> Orb
         run = integration.run(x, length, units)
         if run is None:
             raise ComputationError(
-                f"the trajectory runs away between t = {elapsed:.4g} and {elapsed + length:.4g}; give a start in the "
-                "orbit's basin of attraction, or a state with a period"
+                f"between t = {elapsed:.4g} and {elapsed + length:.4g} the trajectory {integration.why}; give a start "
+                "in the orbit's basin of attraction, or a state near the orbit with its period"
             )
         elapsed += length
         x = run.states[-1]
@@ -190,12 +197,29 @@ def _settled(system: System, x: np.ndarray, transient: float, mesh: Mesh) -> Orb
         orbit = _on_which_it_settles(system, run, units, lags, gaps, seen, mesh)
         if orbit is not None:
             return orbit
+        closed = np.flatnonzero(gaps < _REPEATS)
+        if closed.size and is_one_of_many(integration, x, units, float(lags[closed[0]])):
+            raise ComputationError(ONE_OF_MANY.format(lags[closed[0]]))
         seen.lags, seen.gaps = lags, gaps
         turns += len(lags)
         if turns > TURNS or integration.count > EVALUATIONS or (not len(lags) and window > WITHOUT_TURN):
             break
         span = 2.0 * span
+    fast, slow = _rates(system, x)
+    if not len(seen.lags) and fast > STIFF * slow > 0.0:
+        raise ComputationError(
+            f"after {integration.count} evaluations of f the trajectory is at t = {elapsed:.4g} and has not come back "
+            f"to where it was; it is stiff: rates there go from {slow:.3g} to {fast:.3g} per unit of time. Give a state "
+            "near the orbit with its period, or transient= to wait longer"
+        )
     raise ComputationError(_not_settled(seen, elapsed, _spreads(integration, x, units, seen.lags)))
+
+
+def _rates(system: System, x: np.ndarray) -> tuple[float, float]:
+    """The largest and the smallest modulus of an eigenvalue of J at x, those that vanish to rounding left out."""
+    found = np.abs(np.linalg.eigvals(system.jacobian(x)))
+    fast = float(found.max())
+    return fast, float(found[found > 1e-14 * fast].min(initial=fast))
 
 
 def _spreads(integration: Integration, x: np.ndarray, units: np.ndarray, lags: np.ndarray) -> float | None:
@@ -306,6 +330,20 @@ def _checked(system: System, orbit: Orbit) -> Orbit:
             if why is not None:
                 raise ComputationError(f"the orbit passes through a state that the model refuses: {why}")
     return orbit
+
+
+def _refuse_not_finite(system: System, x: np.ndarray) -> None:
+    with np.errstate(all="ignore"):
+        rates = system.f(x)
+    if not np.all(np.isfinite(rates)):
+        bad = [
+            f"the rate of {n} is {r}"
+            for n, r in zip(system.states, rates.tolist(), strict=True)
+            if not np.isfinite(r)
+        ]
+        raise InputError(
+            f"f is not finite at the start {_state(system, x)}: {', '.join(bad)}; give a start at which it is"
+        )
 
 
 def _refuse_equilibrium(system: System, x: np.ndarray) -> None:

@@ -16,6 +16,7 @@ STIFF = 5e3  # rate times span above which Radau's steps cost less than DOP853's
 RETURNS = 200  # looked at, counted from the end
 BISECTIONS = 40
 FAR = 1e6  # times the units, or 1: there a trajectory has run away
+NOT_FINITE = "comes to states where f is not finite, or where no step is short enough"
 MOST = 300_000  # evaluations of f in one piece, likewise
 
 
@@ -69,10 +70,13 @@ class Trajectory:
 
 
 class Integration:
-    """x' = f by SciPy's Runge-Kutta methods, as many steps as it takes; `count` is the evaluations of f so far."""
+    """x' = f by SciPy's Runge-Kutta methods, as many steps as it takes; `count` is the evaluations of f so far.
+
+    why: what ended the last run before its time, in words that follow "the trajectory".
+    """
 
     def __init__(self, system: System) -> None:
-        self.system, self.count = system, 0
+        self.system, self.count, self.why = system, 0, ""
         n = len(system.states)
         self._inputs = system.inputs(np.zeros(n))
         operations, template, outputs = system.tape.arrays
@@ -90,7 +94,7 @@ class Integration:
         return jacobian_at(*self._tape, self._inputs, self._directions)
 
     def run(self, x: np.ndarray, span: float, units: np.ndarray) -> Trajectory | None:
-        """The steps from x over a span of time; None where the trajectory runs away."""
+        """The steps from x over a span of time; None where it does not get there, and then `why` says the reason."""
         pieces, at, left, begun = [], x, span, 0.0
         while left > 1e-12 * span:
             # in pieces, for what is not stiff at the start may become so
@@ -131,8 +135,18 @@ class Integration:
                 run = solve_ivp(
                     rhs, (0.0, span), x, rtol=TOLERANCE, atol=TOLERANCE * units, events=away, **method
                 )
-        except (_TooManyError, ValueError):  # Radau's linear algebra refuses what is not finite
+        except _TooManyError:
+            self.why = (
+                f"needs more than {MOST} evaluations of f: it is too stiff, or too fast for so long a time"
+            )
             return None
+        except ValueError:  # Radau's linear algebra refuses what is not finite
+            self.why = NOT_FINITE
+            return None
+        if run.status == 1:
+            self.why = f"runs away: a state passes {far:.3g}"
+        elif run.status != 0:
+            self.why = NOT_FINITE
         return (run.t, run.y.T) if run.status == 0 else None
 
 
