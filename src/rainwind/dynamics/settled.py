@@ -7,9 +7,10 @@ from typing import Literal
 
 import numpy as np
 
-from rainwind.dynamics.kernels.zeros import find_zeros
 from rainwind.dynamics.pieces import Pieces
+from rainwind.dynamics.turning_points import extremes_of, zeros_of
 
+_zeros = zeros_of  # as extremes.py knows it
 _TURN = 2.0 * np.pi
 _RETURNS = 400  # looked at, counted from the end
 _LOOPS = 10  # periods before the end from which the speed of settling is judged
@@ -63,7 +64,7 @@ def settled(
     ranges, sizes = np.ptp(joints, axis=0), np.abs(joints).max(axis=0)
     tail = pieces.part(end - 0.1 * (end - begin), end)
     before = pieces.part(end - 0.2 * (end - begin), tail.times[0])
-    (low, high), earlier = _extremes(tail), np.ptp(_extremes(before), axis=0)
+    (low, high), earlier = extremes_of(tail), np.ptp(extremes_of(before), axis=0)
     last, mean = high - low, tail.integral() / (tail.times[-1] - tail.times[0])
     noise = _NOISE * max(tolerance, 1e-15) * np.where(sizes > 0.0, sizes, 1.0)
     if np.all(last <= noise):
@@ -116,7 +117,7 @@ def _cycle(
     straight.coefficients[:, :, 0] -= speed * (last.times[:-1] - last.times[0])[:, None]
     if straight.degree:
         straight.coefficients[:, :, 1] -= speed
-    low, high = _extremes(straight)
+    low, high = extremes_of(straight)
     mean = straight.integral() / period
     seen = high - low > 10.0 * noise  # of the other states there is nothing to say
     if not np.any(seen):
@@ -173,7 +174,7 @@ def _returns(
         return np.zeros(0), np.zeros(0)
     part = pieces.part(0.5 * (pieces.times[0] + pieces.times[-1]), pieces.times[-1])
     level = Pieces(part.times, _level(part, x, normal / size, turns)[:, None, :])
-    times, rising = _zeros(level, 0)
+    times, rising = zeros_of(level, 0)
     times = times[rising][::-1][:_RETURNS]
     times = times[times < pieces.times[-1] - 1e-9 * (pieces.times[-1] - pieces.times[0])]
     gaps = np.abs(_difference(part.at(times), x, turns)) / units
@@ -186,35 +187,6 @@ def _level(pieces: Pieces, x: np.ndarray, normal: np.ndarray, turns: np.ndarray)
     whole = np.round((c[:, :, 0] - x) / _TURN) * _TURN
     c[:, :, 0] -= x + np.where(turns, whole, 0.0)
     return np.einsum("i,kij->kj", normal, c)
-
-
-def _zeros(pieces: Pieces, i: int) -> tuple[np.ndarray, np.ndarray]:
-    """The zeros of one column of some pieces, and whether it rises there."""
-    n, found, first, sign = pieces.coefficients.shape[1], [], 0, 0
-    none, room = np.zeros((len(pieces), 0, 4)), max(1024, 4 * len(pieces))
-    end = pieces.at(pieces.times[-1])
-    while first < len(pieces):
-        at, piece, rising = np.empty(room), np.empty(room, dtype=np.int64), np.empty(room, dtype=np.bool_)
-        count, sign, looked = find_zeros(
-            np.zeros((0, 4), dtype=np.int64), np.zeros(n), i, pieces.times[first:], pieces.coefficients[first:],
-            np.zeros(0, dtype=np.int64), none[first:], end, sign, at, piece, rising,
-        )  # fmt: skip
-        found.append((pieces.times[first:][piece[:count]] + at[:count], rising[:count]))
-        first += looked
-        room = room if looked else 2 * room
-    return np.concatenate([t for t, _ in found]), np.concatenate([r for _, r in found])
-
-
-def _extremes(pieces: Pieces) -> np.ndarray:
-    """The lowest and the highest value of every column (2, n), on the polynomials themselves."""
-    slope, joints = pieces.derivative(), pieces.joints()
-    low, high = joints.min(axis=0), joints.max(axis=0)
-    for i in range(low.size):
-        times, _ = _zeros(slope, i)
-        if times.size:
-            values = pieces.at(np.minimum(times, pieces.times[-1]))[:, i]
-            low[i], high[i] = min(low[i], values.min()), max(high[i], values.max())
-    return np.array([low, high])
 
 
 def _unturned(pieces: Pieces, turns: np.ndarray) -> np.ndarray:

@@ -6,21 +6,21 @@ from typing import Any, Literal
 
 import numpy as np
 
-from rainwind.dynamics.drive import Drive, drive
+from rainwind.dynamics.drive import Drive
 from rainwind.dynamics.engines import Choice
 from rainwind.dynamics.events import Crossings, Event, Function, Watch, checked, joined, none
 from rainwind.dynamics.pieces import Pieces
 from rainwind.dynamics.pieces import joined as joined_pieces
+from rainwind.dynamics.run_inputs import run_drive, run_parameters, run_start, turning_states
 from rainwind.dynamics.signals import Signal
 from rainwind.dynamics.system import System, as_system, number
 from rainwind.dynamics.trajectory import Excursion, RunEnded, Trajectory
 from rainwind.errors import InputError, is_interrupt
-from rainwind.parameters import unknown_name
 
+# as ensembles.py knows them
+_parameters, _drive, _start = run_parameters, run_drive, run_start
 Progress = Callable[[int, int, str], None]
 TOLERANCES = (1e-15, 1e-2)
-_WIND = "wind.speed"
-_TURN = 2.0 * np.pi
 # a run blows up where so many steps cover less than this share of all time
 _MANY, _NO_TIME = 4096, 1e-7
 
@@ -60,15 +60,15 @@ def simulate(
     if isinstance(most_steps, bool) or not isinstance(most_steps, int) or most_steps < 1:
         raise InputError(f"most_steps = {most_steps!r}: give a whole number of 1 or more")
     duration = float(duration)
-    given = _parameters(system, parameters, wind)
+    given = run_parameters(system, parameters, wind)
     signals = {name: value for name, value in given.items() if isinstance(value, Signal)}
-    driven = _drive(system, signals, duration)
+    driven = run_drive(system, signals, duration)
     fixed = {name: value for name, value in given.items() if not isinstance(value, Signal)}
     fixed |= {name: float(signal.at(0.0)) for name, signal in signals.items()}
     if fixed:
         system.allowed(fixed)
         system = system.with_parameters(fixed)
-    x = _start(system, start)
+    x = run_start(system, start)
     if system.refusal is not None:
         reason = system.refusal(x, system.parameters)
         if reason is not None:
@@ -76,64 +76,6 @@ def simulate(
     run = _Run(system, driven, x, duration, float(tolerance), checked(events), method, most_steps, progress)
     run.go()
     return run.trajectory()
-
-
-def _parameters(
-    system: System, given: Mapping[str, float | Signal] | None, wind: float | Signal | None
-) -> dict[str, float | Signal]:
-    if given is not None and not isinstance(given, Mapping):
-        raise InputError(f"parameters go by name, for example {{'a': 1.0}}; got {given!r}")
-    found = dict(given or {})
-    if wind is not None:
-        if _WIND not in system.parameters:
-            raise InputError(
-                f"this model has no parameter '{_WIND}', so it takes no wind; give what varies by its own name, "
-                f"parameters={{name: ...}}. Known: {', '.join(system.parameters) or 'none'}"
-            )
-        if _WIND in found:
-            raise InputError(f"wind and parameters['{_WIND}'] are the same thing; give one of them")
-        found[_WIND] = wind
-    for name, value in found.items():
-        if name not in system.parameters:
-            raise unknown_name(name, system.parameters, "parameter")
-        if not isinstance(value, Signal):
-            found[name] = number(value, f"parameter '{name}'")
-    return found
-
-
-def _drive(system: System, signals: Mapping[str, Signal], duration: float) -> Drive:
-    for name, signal in signals.items():
-        if signal.since > 0.0 or signal.until < duration:
-            raise InputError(
-                f"the signal of '{name}' is given from {signal.since:g} to {signal.until:g}, the run goes from 0 to "
-                f"{duration:g}; shorten the run, or lengthen the signal (.then, .repeated, .shifted)"
-            )
-    found = drive(signals, {name: system.number(name) for name in signals}, duration)
-    for i, name in enumerate(signals):
-        for value in Signal(found.pieces.times, found.pieces.coefficients[:, i]).extremes():
-            try:
-                system.allowed({name: value})
-            except InputError as error:
-                raise InputError(f"the signal of '{name}' reaches {value:.6g}: {error}") from None
-    return found
-
-
-def _start(system: System, start: Any) -> np.ndarray:
-    names = getattr(start, "states", None)
-    if names is None:
-        if isinstance(start, Mapping) and not start:
-            raise InputError(f"start = {{}} names no state; give some of {', '.join(system.states)}")
-        return system.state(start)
-    if tuple(names) != system.states:
-        raise InputError(
-            f"start has the states {', '.join(names)}, the model has {', '.join(system.states)}; "
-            "give a point of this model"
-        )
-    for attribute in ("end", "state", "profile"):
-        found = getattr(start, attribute, None)
-        if found is not None:
-            return system.state(found[0] if np.ndim(found) == 2 else found)
-    raise InputError(f"start = {start!r} has no state; give numbers, a mapping, an equilibrium or an orbit")
 
 
 @dataclass(frozen=True, eq=False)
@@ -305,18 +247,3 @@ class _Run:
                 if until > t
             ]
         return tuple(sorted(excursions, key=lambda one: one.since))
-
-
-def turning_states(system: System, x: np.ndarray) -> tuple[str, ...]:
-    """The states in which the system is 2-pi-periodic: tried at the start and some states around it."""
-    scale = np.maximum(np.abs(x), 0.1)
-    points = x + np.random.default_rng(1).uniform(-1.0, 1.0, (6, x.size)) * scale
-    f, slopes = system.f(points), np.abs(system.jacobian(points)).max(axis=(0, 1))
-    found = []
-    for i, name in enumerate(system.states):
-        moved = system.f(points + _TURN * np.eye(x.size)[i])
-        if np.all(np.isfinite(moved)) and slopes[i] > 0.0:
-            same = np.abs(moved - f) <= 1e-10 * (np.abs(f) + np.abs(f).max())
-            if np.all(same):
-                found.append(name)
-    return tuple(found)
