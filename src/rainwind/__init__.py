@@ -10,6 +10,9 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
+    from rainwind.dynamics.attractors import Attractor as Attractor
+    from rainwind.dynamics.attractors import attractor as attractor
+    from rainwind.dynamics.attractors import attractors as attractors
     from rainwind.dynamics.collocation import Mesh as Mesh
     from rainwind.dynamics.curves import continue_fold as continue_fold
     from rainwind.dynamics.curves import continue_hopf as continue_hopf
@@ -26,6 +29,7 @@ if TYPE_CHECKING:
     from rainwind.dynamics.events import Crossings as Crossings
     from rainwind.dynamics.events import Event as Event
     from rainwind.dynamics.find_orbit import find_orbit as find_orbit
+    from rainwind.dynamics.lyapunov import lyapunov as lyapunov
     from rainwind.dynamics.monitors import Monitor as Monitor
     from rainwind.dynamics.orbit_certificates import certified as certified
     from rainwind.dynamics.orbit_curves import continue_lpc as continue_lpc
@@ -92,6 +96,8 @@ if TYPE_CHECKING:
     from rainwind.physics.wind import Wind as Wind
 
 _HOME = {
+    **dict.fromkeys(("Attractor", "attractor", "attractors"), "dynamics.attractors"),
+    "lyapunov": "dynamics.lyapunov",
     "Mesh": "dynamics.collocation",
     "continue_fold": "dynamics.curves",
     "continue_hopf": "dynamics.curves",

@@ -22,8 +22,10 @@ class Model(Protocol):
     It may also offer `structure` (hashable: models of equal structure share a tape), `all_states(parameters)`
     (every equilibrium, certified), `refusal(state, parameters)` (why a state may not be used, or None), `refuses`
     (whether `refusal` ever says anything), `limits` (name -> value(x, p), margin(x, p): what is watched along a
-    trajectory; the margin is positive where the model holds), `units` (of states and "time") and, for
-    `energy_balance`, `energy(x, p)` and `powers(x, p)` (a mapping from names to what changes the energy).
+    trajectory; the margin is positive where the model holds), `losses` (name -> function(x, p), positive as long as
+    what the model is about is still there: behaviour in the long run on which it stays negative goes by that name),
+    `units` (of states and "time") and, for `energy_balance`, `energy(x, p)` and `powers(x, p)` (a mapping from names
+    to what changes the energy).
     """
 
     @property
@@ -61,6 +63,7 @@ class System:
     limits: Mapping[str, tuple[Callable[..., Any], Callable[..., Any]]] = field(
         default_factory=dict, kw_only=True
     )
+    losses: Mapping[str, Callable[..., Any]] = field(default_factory=dict, kw_only=True)
     units: Mapping[str, str] = field(default_factory=dict, kw_only=True)
     tape: Tape = field(default=None, kw_only=True, repr=False)  # type: ignore[assignment]  # traced below
 
@@ -180,6 +183,7 @@ def as_system(model: Any) -> System:
         refusal=getattr(model, "refusal", None) if getattr(model, "refuses", True) else None,
         allowed=getattr(model, "with_parameters", lambda changes: None),
         limits=getattr(model, "limits", {}),
+        losses=getattr(model, "losses", {}),
         units=getattr(model, "units", {}),
         tape=tape,  # type: ignore[arg-type]
     )

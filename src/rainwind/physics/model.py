@@ -175,6 +175,11 @@ class RivuletModel:
 
         return {"angle of attack": (self.angle_of_attack, margin)}
 
+    @property
+    def losses(self) -> dict[str, Any]:
+        """When the upper rivulet is gone: cos(phi + beta) + 1/2 is negative beyond 120 degrees from the cable's top."""
+        return {"rivulet lost": lambda x, p: cos(self._all_six(x)[1] + self.letters(p).beta) + 0.5}
+
     def all_states(self, parameters: Mapping[str, float] | None = None) -> Equilibria:
         """All equilibria, on the whole circle, sorted by phi; `parameters` overrides some of the model's own.
 
