@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from rainwind.dynamics.kernels import kinematic
 from rainwind.dynamics.kernels.chain import chain_error, solve_periodic, solve_periodic_again
 from rainwind.dynamics.kernels.collocation import (
     condense,
@@ -50,7 +51,9 @@ def correct(tape, inputs, free, rule, h, u, tangent, scale, units, tolerance, li
     before = np.inf
     change = np.inf
     last = False
-    steps, factors, orders, sign, by, residual = _matrix(tape, inputs, free, w, d, h, x, u, size)
+    rates = kinematic.rates_of(tape[2])
+    matrix = _matrix(tape, inputs, free, rates, w, d, h, x, u, size)
+    steps, factors, orders, sign, by, period, residual = matrix
     fresh = True
     for iteration in range(limit):
         here = 0.0
@@ -62,12 +65,16 @@ def correct(tape, inputs, free, rule, h, u, tangent, scale, units, tolerance, li
         if iteration > 0:
             fresh = last or iteration > 2 or change > _CHORD
             if fresh:
-                steps, factors, orders, sign, by, residual = _matrix(tape, inputs, free, w, d, h, x, u, size)
+                matrix = _matrix(tape, inputs, free, rates, w, d, h, x, u, size)
+                steps, factors, orders, sign, by, period, residual = matrix
             else:  # near the orbit the matrix of the step before does
-                defect = -defects(tape, inputs, free, w, d, h, x, u[size], u[size + 1 :])
-                inside = np.empty_like(defect)
-                solve_inside_once(factors, orders, defect, inside)
-                steps[:, :, steps.shape[2] - 1] = inside
+                defect = defects(tape, inputs, free, w, d, h, x, u[size], u[size + 1 :])
+                if np.any(rates >= 0):
+                    kinematic.solve_again(rates, w, d, h, period, by, factors, orders, defect, steps)
+                else:
+                    inside = np.empty_like(defect)
+                    solve_inside_once(factors, orders, -defect, inside)
+                    steps[:, :, steps.shape[2] - 1] = inside
         if sign == 0.0:
             return POOR, u, tangent, 0.0, np.empty(0, np.complex128), 0.0, 0.0, np.inf
         if fresh:
@@ -120,10 +127,16 @@ def reference_row(rule, h, profile, direction, scale, units):
 
 
 @compiled
-def _matrix(tape, inputs, free, w, d, h, x, u, size):
+def _matrix(tape, inputs, free, rates, w, d, h, x, u, size):
+    """Everything about the equations at u: steps, factors, orders, sign, derivatives, period, largest defect."""
     f, by = linearised(tape, inputs, free, w, x, u[size + 1 :])
-    steps, factors, orders, sign = condense(w, d, h, x, u[size], f, by)
-    return steps, factors, orders, sign, by, np.max(np.abs(residuals(d, h, x, u[size], f)))
+    period = u[size]
+    defect = residuals(d, h, x, period, f)
+    if np.any(rates >= 0):
+        steps, factors, orders, sign = kinematic.condense(rates, w, d, h, period, f, by, defect)
+    else:
+        steps, factors, orders, sign = condense(w, d, h, x, period, f, by)
+    return steps, factors, orders, sign, by, period, np.max(np.abs(defect))
 
 
 @compiled
