@@ -142,6 +142,17 @@ def test_a_run_that_becomes_stiff_and_smooth_again_changes_engines():
     assert np.diff(run.times)[-2] > 0.2
 
 
+def test_stiffness_after_a_long_smooth_run_is_met_at_once():
+    """A follower of an oscillator, w' = c (v - w): the pauses between trials have grown when c rises."""
+    system = rw.System(lambda x, p: (x.v, -x.q, p.c * (x.v - x.w)), ("q", "v", "w"), {"c": 1.0})
+    smooth = rw.simulate(system, [1.0, 0.0, 0.0], duration=5000.0)
+    assert smooth.steps["rosenbrock"] == 0
+    c = rw.ramp(1.0, 1e6, 0.5, after=5000.0)
+    run = rw.simulate(system, [1.0, 0.0, 0.0], duration=5100.0, parameters={"c": c})
+    assert run.steps["rosenbrock"] > 0
+    assert run.steps["taylor"] < smooth.steps["taylor"] + 600
+
+
 @pytest.mark.parametrize("mu", [0.5, 50.0, 1e5])
 def test_van_der_pol_by_all_ways(mu):
     system = rw.System(lambda x, p: (x.v, p.mu * (1 - x.q**2) * x.v - x.q), ("q", "v"), {"mu": mu})
