@@ -14,9 +14,10 @@ from rainwind.dynamics.checkpoints import Checkpoint
 from rainwind.dynamics.ensemble_plan import NOT_DONE, Done, Plan, Rows, tape_key
 from rainwind.dynamics.ensemble_results import Ensemble
 from rainwind.dynamics.reductions import Lyapunov, View, checked
+from rainwind.dynamics.run_inputs import run_drive, run_parameters, run_start, turning_states
 from rainwind.dynamics.sampling import Sample, as_sample
 from rainwind.dynamics.signals import Signal
-from rainwind.dynamics.simulate import TOLERANCES, _drive, _parameters, _start, turning_states
+from rainwind.dynamics.simulate import TOLERANCES
 from rainwind.dynamics.system import System, as_system, number
 from rainwind.dynamics.tangent_tape import with_tangents
 from rainwind.dynamics.tape import Tape, trace_function
@@ -72,9 +73,9 @@ def ensemble(
         if value is not None and (isinstance(value, bool) or not isinstance(value, int) or value < 1):
             raise InputError(f"{name} = {value!r}: give a whole number of 1 or more")
     who = as_workers(workers)
-    given = _parameters(system, parameters, wind)
+    given = run_parameters(system, parameters, wind)
     signals = {name: value for name, value in given.items() if isinstance(value, Signal)}
-    drive = _drive(system, signals, float(duration))
+    drive = run_drive(system, signals, float(duration))
     fixed = {name: value for name, value in given.items() if not isinstance(value, Signal)}
     fixed |= {name: float(signal.at(0.0)) for name, signal in signals.items()}
     if fixed:
@@ -145,7 +146,7 @@ def _starts(system: System, start: Any, sample: Sample | None) -> tuple[np.ndarr
     elif start is None:
         starts = np.zeros((many or 1, n))
     else:
-        starts = np.tile(_start(system, start), (many or 1, 1))
+        starts = np.tile(run_start(system, start), (many or 1, 1))
     for name, values in (sample.values if sample else {}).items():
         if name in system.states:
             starts[:, system.states.index(name)] = values

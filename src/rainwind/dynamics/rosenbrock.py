@@ -1,7 +1,5 @@
 """The stiff engine: blocks of Rosenbrock steps of one trajectory."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from rainwind.dynamics.drive import Drive
@@ -19,11 +17,9 @@ class Rosenbrock:
     moving: how many operations of the tape a step has to repeat.
     """
 
-    def __init__(
-        self, system: System, drive: Drive, tolerance: float, parameters: Mapping[str, float] | None = None
-    ) -> None:
+    def __init__(self, system: System, drive: Drive, tolerance: float) -> None:
         n = len(system.states)
-        inputs = system.inputs(np.zeros(n), parameters)
+        inputs = system.inputs(np.zeros(n))
         varies = np.arange(inputs.size) < n
         varies[drive.numbers] = True
         operations, template, outputs = system.tape.arrays

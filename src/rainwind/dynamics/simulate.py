@@ -17,8 +17,6 @@ from rainwind.dynamics.system import System, as_system, number
 from rainwind.dynamics.trajectory import Excursion, RunEnded, Trajectory
 from rainwind.errors import InputError, is_interrupt
 
-# as ensembles.py knows them
-_parameters, _drive, _start = run_parameters, run_drive, run_start
 Progress = Callable[[int, int, str], None]
 TOLERANCES = (1e-15, 1e-2)
 # a run blows up where so many steps cover less than this share of all time
