@@ -349,3 +349,18 @@ def test_random_systems(seed, n, ds):
     shortest = min(map(len, kinds))
     assert kinds[0][:shortest] == kinds[1][:shortest]
     assert fine[0].grid.degree == 5
+
+
+@pytest.mark.parametrize("ds", [0.05, 0.5])
+def test_a_vertical_family_ends_early_and_says_so(ds):
+    """Van der Pol's cycles at mu = 0 are all circles: the Hopf point there is degenerate."""
+    system = rw.System(lambda x, p: (x.v, p.mu * (1 - x.u**2) * x.v - x.u), ("u", "v"), {"mu": -0.5})
+    (hopf,) = rw.continue_equilibria(system, "mu", start=[0, 0], until=(-1, 1)).points("hopf")
+    branch = rw.continue_orbits(system, "mu", start=hopf, until=(-1, 1), ds=ds)
+    assert branch.ended[1] is Ended.FAMILY
+    assert len(branch) < 20
+    assert abs(branch["mu"]).max() < 1e-9
+    linear = rw.System(lambda x, p: (p.mu * x.u - x.v, x.u + p.mu * x.v), ("u", "v"), {"mu": -0.5})
+    found = rw.diagram(linear, "mu", until=(-1, 1), ds=ds)
+    assert [b.ended[1] for b in found.orbits] == [Ended.FAMILY]
+    assert any("a whole family of orbits at one value" in note for note in found.notes)

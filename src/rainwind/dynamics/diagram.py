@@ -246,6 +246,8 @@ class _Work:
             return None
         if len(branch):
             self.orbits.append(branch)
+            if Ended.FAMILY in branch.ended:
+                self.notes.append(f"orbits from {where}: {Ended.FAMILY.value}")
         else:
             self.notes.append(f"orbits from {where}: not even one was found ({branch.ended[1].value})")
         self.raise_if_interrupted(branch)

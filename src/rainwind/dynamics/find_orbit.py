@@ -209,8 +209,8 @@ def _settled(system: System, x: np.ndarray, transient: float, mesh: Mesh) -> Orb
     if not len(seen.lags) and fast > STIFF * slow > 0.0:
         raise ComputationError(
             f"after {integration.count} evaluations of f the trajectory is at t = {elapsed:.4g} and has not come back "
-            f"to where it was; it is stiff: rates there go from {slow:.3g} to {fast:.3g} per unit of time. Give a state "
-            "near the orbit with its period, or transient= to wait longer"
+            f"to where it was; it is stiff: rates there go from {slow:.3g} to {fast:.3g} per unit of time. Give a "
+            "state near the orbit with its period, or transient= to wait longer"
         )
     raise ComputationError(_not_settled(seen, elapsed, _spreads(integration, x, units, seen.lags)))
 

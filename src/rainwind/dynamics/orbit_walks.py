@@ -18,6 +18,7 @@ from rainwind.dynamics.results import Ended, Unexplained
 from rainwind.errors import InputError, is_interrupt
 
 _LOOKS = 12
+_STILL = (12, 1e-9)  # so many orbits in a row; of the parameter's unit
 _SAME = 1e-5  # in units: how near to its start a closed walk comes
 
 Progress = Callable[[Orbit, int], None]
@@ -92,6 +93,8 @@ def walked(route: Route, start: OrbitNode) -> Half:
                 route.progress(orbit, len(orbits))
             if ended is None and orbit.period > route.longest:
                 ended = Ended.HOMOCLINIC
+            elif ended is None and _vertical(route, nodes):
+                ended = Ended.FAMILY
             elif ended is None and len(nodes) >= route.limit:
                 ended = Ended.TOO_MANY_POINTS
             if ended is not None:
@@ -109,6 +112,16 @@ def walked(route: Route, start: OrbitNode) -> Half:
         for a, b in pairwise(nodes):
             points += [_label(problem, event) for event in _events(route, labelled, a, b)]
     return Half(nodes, orbits, ended or walk.ended, [*found, *points], gaps)  # type: ignore[arg-type]
+
+
+def _vertical(route: Route, nodes: Sequence[OrbitNode]) -> bool:
+    """Whether the parameter has stood still, to rounding, over the last orbits: a whole family at one value."""
+    if len(nodes) <= _STILL[0] or len(route.problem.along) > 1:
+        return False
+    last = nodes[-_STILL[0] :]
+    values = [route.problem.on(node.grid).parts(node.u)[2][0] for node in last]
+    far = last[-1].arclength - last[0].arclength > 2.0 * route.ds
+    return far and bool(np.ptp(values) < _STILL[1] * route.problem.parameter_units[0])
 
 
 def _events(route: Route, monitors: Sequence[Monitor], a: OrbitNode, b: OrbitNode) -> list[Event]:

@@ -28,6 +28,9 @@ class Ended(Enum):
     HOMOCLINIC = "the period grew beyond its limit: a homoclinic or heteroclinic orbit is suspected"
     MESH_AT_LIMIT = "the orbit needs more mesh intervals than allowed"
     AT_RESONANCE = "the curve ended at a strong resonance; beyond it the multipliers are real"
+    FAMILY = (
+        "the parameter does not move along the branch: a whole family of orbits at one value, none isolated"
+    )
     REVISITED = "the walk came back to where it had been"
 
 
