@@ -64,6 +64,10 @@ def _hopf_on_d() -> tuple[rw.RivuletModel, rw.SpecialPoint]:
     return model, max(equilibria.points("hopf"), key=lambda p: p.parameter)
 
 
+# AUTO goes one way for 200 points; ours go both ways, one of which ends early: so many each way give as many in all
+_LIMITS = {"lpc": 135, "ns": 168}
+
+
 def _ours() -> dict[str, Callable[[], rw.OrbitBranch]]:
     model, hopf = _hopf_on_d()
     both = (_SPEED, _DAMPING)
@@ -73,11 +77,14 @@ def _ours() -> dict[str, Callable[[], rw.OrbitBranch]]:
 
     branch = cycles()
     lpc, ns = branch.points("lpc")[0], branch.points("ns")[0]
-    # one direction in AUTO, both here: half as many points each way
     return {
         "cycles": cycles,
-        "lpc": lambda: rw.continue_lpc(model, both, start=lpc, until=_WINDOW, ds=0.1, mesh=_MESH, limit=100),
-        "ns": lambda: rw.continue_ns(model, both, start=ns, until=_WINDOW, ds=0.1, mesh=_MESH, limit=100),
+        "lpc": lambda: rw.continue_lpc(
+            model, both, start=lpc, until=_WINDOW, ds=0.1, mesh=_MESH, limit=_LIMITS["lpc"]
+        ),
+        "ns": lambda: rw.continue_ns(
+            model, both, start=ns, until=_WINDOW, ds=0.1, mesh=_MESH, limit=_LIMITS["ns"]
+        ),
     }
 
 

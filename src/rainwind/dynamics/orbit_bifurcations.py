@@ -26,7 +26,7 @@ from rainwind.dynamics.orbit_conditions import (
 from rainwind.dynamics.orbit_equations import NEWTON_LIMIT, Linearised, OrbitEquations, OrbitNode
 from rainwind.dynamics.orbit_normal_forms import lpc_coefficient, ns_coefficient, pd_coefficient
 from rainwind.dynamics.orbit_results import OrbitPoint
-from rainwind.dynamics.orbit_trust import LOST, lost_in_rounding
+from rainwind.dynamics.orbit_trust import LOST, WRONG, lost_in_rounding
 from rainwind.dynamics.results import Certificate, Unexplained
 
 Complex = NDArray[np.complex128]
@@ -264,7 +264,7 @@ def describe(
         angle = float(pairs[np.argmin(np.abs(pairs.real))].imag)
     found = bordered(problem, node.u, at, kind, angle or 0.0)
     checks["bordered determinant"] = (float(np.max(np.abs(found.values))), max(1e-6, error))
-    checks["trivial multiplier"] = (node.trivial_error, max(LOST if kind in ("lpc", "bp") else 1e-6, error))
+    checks["trivial multiplier"] = (node.trivial_error, LOST if kind in ("lpc", "bp") else WRONG)
     if kind == "lpc":
         coefficient = lpc_coefficient(problem, node.u)
     elif kind == "pd":
