@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.dynamics.test_taylor_code import FUNCTIONS, STARTS, P
 
 import rainwind as rw
 from rainwind.dynamics.kernels.tangents import jacobians
@@ -9,7 +10,6 @@ from rainwind.dynamics.kernels.values import values
 from rainwind.dynamics.system import as_system
 from rainwind.dynamics.tangent_tape import with_tangents
 from rainwind.dynamics.tape import Tape, trace
-from tests.dynamics.test_taylor_code import FUNCTIONS, STARTS, P
 
 
 def assert_is_jacobian(tape: Tape, states: np.ndarray, parameters: np.ndarray, many: int) -> None:

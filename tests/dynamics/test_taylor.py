@@ -1,4 +1,4 @@
-"""Trajectories by Taylor series against closed forms, conserved quantities and SciPy; lanes that leave each other alone."""
+"""Trajectories by Taylor series against closed forms, invariants and SciPy; lanes that leave each other alone."""
 
 from concurrent.futures import ThreadPoolExecutor
 from math import erf, exp, log, pi, sqrt
@@ -91,7 +91,7 @@ def test_known_integrals(function, integral, end):
 
 
 def test_the_error_follows_the_tolerance():
-    """Van der Pol over 40 s: between 1e-3 and 1e-14 the error of the end is the tolerance, give or take a factor of 50."""
+    """Van der Pol over 40 s: from 1e-3 to 1e-14 the error of the end is at most 50 tolerances."""
     exact = TaylorEngine(BOUNDED, 1e-15, order=30).advance([[2.0, 0.0]], 40.0, [1.0]).states
     for tolerance in 10.0 ** -np.arange(3, 14.1):
         error = np.max(
@@ -121,7 +121,7 @@ def test_pieces_are_the_solution_between_steps():
 
 
 def test_a_start_at_rest_in_some_states():
-    """u = v = 0 and a force that sets in like t^3: nothing tells the states' sizes at the start but their polynomials."""
+    """u = v = 0 and a force that sets in like t^3: only their polynomials tell the states' sizes."""
     system = System(lambda s, p: (1.0, s.v, s.t * s.t * s.t - s.u), ("t", "u", "v"))
     runs = TaylorEngine(system, 1e-13).advance([[0.0, 0.0, 0.0]], 2.0)
     assert runs.states[0, 1] == pytest.approx(8.0 - 12.0 + 6.0 * np.sin(2.0), rel=1e-12)

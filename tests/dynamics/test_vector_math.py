@@ -1,4 +1,4 @@
-"""Elementary functions in machine code against 40 digits: three units in the last place, out-of-the-way arguments too."""
+"""Elementary functions in machine code against 40 digits: three units in the last place, anywhere."""
 
 import numpy as np
 import pytest

@@ -27,7 +27,7 @@ from rainwind.errors import InputError
 STEPS = 10_000_000  # of one trajectory
 BLOCK = 256  # steps of all lanes between two looks at the keyboard
 LOWEST, HIGHEST = 1e-15, 1e-2  # tolerances
-SAFETY = 0.1  # of a step's error: with it errors over some periods are near the tolerance (decision 24)
+SAFETY = 0.1  # of a step's error: with it errors over some periods are near the tolerance (decision 26)
 _ALIGN = 8  # float64s: 64 bytes
 
 
@@ -302,6 +302,12 @@ class Lanes:
             engine._addresses, self._memory, self._position, engine._model, self._jobs, self._drives, self._results,
             self._none if room is None else room, engine._kept, (most, self._steps),
         )  # fmt: skip
+
+    def here(self, lane: int) -> tuple[float, np.ndarray, np.ndarray]:
+        """Time, state (n,) and sizes (n,) of a lane between two calls of `advance`."""
+        control = self._memory[2][:, lane]
+        own = code.FIRST_OF_STATES + code.OF_A_STATE * np.arange(len(self.engine.states))
+        return float(control[code.TIME]), control[own + code.NEXT], control[own + code.SIZE]
 
     def stop(self, trajectory: int) -> None:
         """End a trajectory that is on its way; nothing where it has ended."""

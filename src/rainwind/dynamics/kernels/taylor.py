@@ -172,11 +172,11 @@ def march(addresses, memory, position, model, jobs, drives, results, record, kep
     """Steps of all lanes, at most limits[0] of them or until `record` is full; how many, 0 where all is done.
 
     addresses: of the code for coefficients and step; memory: rows, constants, control, lanes; position: the next
-    trajectory and the one after the last; model: operations and template for the constants, their slots, how many states the
-    steps are chosen for; jobs: starts
-    (N, n), parameters (N, m), begins, ends, sizes (N, n; 0: unknown), numbers of drives; drives: knots, table
-    (K, D, 4), where each begins; results: states, times, statuses, steps, sizes; record: coefficients (B, r, P + 1, W), times,
-    steps (signed; 0: none), trajectories (B, W); kept: the rows that go there; limits[1]: steps of one trajectory.
+    trajectory and the one after the last; model: operations and template for the constants, their slots, how many
+    states the steps are chosen for; jobs: starts (N, n), parameters (N, m), begins, ends, sizes (N, n; 0: unknown),
+    numbers of drives; drives: knots, table (K, D, 4), where each begins; results: states, times, statuses, steps,
+    sizes; record: coefficients (B, r, P + 1, W), times, steps (signed; 0: none), trajectories (B, W); kept: the rows
+    that go there; limits[1]: steps of one trajectory.
     """
     rows, constants, control, lanes = memory
     coefficients, times, lengths, numbers = record

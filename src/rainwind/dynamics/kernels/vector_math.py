@@ -1,8 +1,9 @@
 """Elementary functions of W lanes at once, in LLVM code: values and second values as in `operations.py`.
 
 An argument is reduced to a short interval, where a polynomial is as good as the function; the polynomials were
-interpolated at Chebyshev points in 60 digits. Errors stay below three units in the last place (tests). Where an argument
-is out of the ordinary, such as an angle above 1e9 or a logarithm of zero, its lane takes the C library's value.
+interpolated at Chebyshev points in 60 digits. Errors stay below three units in the last place (tests). Where an
+argument is out of the ordinary, such as an angle above 1e9 or a logarithm of zero, its lane takes the C library's
+value.
 """
 
 import math
