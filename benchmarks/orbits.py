@@ -64,8 +64,8 @@ def _hopf_on_d() -> tuple[rw.RivuletModel, rw.SpecialPoint]:
     return model, max(equilibria.points("hopf"), key=lambda p: p.parameter)
 
 
-# AUTO goes one way for 200 points; ours go both ways, one of which ends early: so many each way give as many in all
-_LIMITS = {"lpc": 135, "ns": 168}
+# AUTO goes one way for 200 points. Ours go both ways: so far, or at such a step, that they have as many in all
+_LIMIT, _NS_STEP = 135, 0.083
 
 
 def _ours() -> dict[str, Callable[[], rw.OrbitBranch]]:
@@ -80,11 +80,9 @@ def _ours() -> dict[str, Callable[[], rw.OrbitBranch]]:
     return {
         "cycles": cycles,
         "lpc": lambda: rw.continue_lpc(
-            model, both, start=lpc, until=_WINDOW, ds=0.1, mesh=_MESH, limit=_LIMITS["lpc"]
+            model, both, start=lpc, until=_WINDOW, ds=0.1, mesh=_MESH, limit=_LIMIT
         ),
-        "ns": lambda: rw.continue_ns(
-            model, both, start=ns, until=_WINDOW, ds=0.1, mesh=_MESH, limit=_LIMITS["ns"]
-        ),
+        "ns": lambda: rw.continue_ns(model, both, start=ns, until=_WINDOW, ds=_NS_STEP, mesh=_MESH),
     }
 
 
