@@ -10,8 +10,8 @@ round, until it is clear where it goes:
   missing, sizes and periods alike within 2 %;
 * what is none of these at the end of the last round is followed once more, for half of all the time, with a small
   disturbance across the flow (`transverse.py`). Chaos: it grows by more than e^10, at a rate above three standard
-  errors. Torus: it neither grows nor shrinks by e^10, and the ranges of all states in both halves are alike within
-  10 %. A cycle: it shrinks by more than e^10, and `settled` finds the cycle with at most 5 % missing. Else undecided.
+  errors. Torus: it neither grows nor shrinks by e^10, the ranges of all states in both halves are alike within 10 %,
+  and the amplitude goes up and down by 2 % or more within ten windows. A cycle: it shrinks by more than e^10, and `settled` finds the cycle with at most 5 % missing. Else undecided.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -43,7 +43,8 @@ MISSING, NEARLY, ALIKE = 0.01, 0.05, 0.02
 EFOLDS = 10.0
 ERRORS = 3.0
 SAME_RANGE = 0.1
-LAST = 5.0  # windows that the very last look takes
+BEATS, ENVELOPE = 0.02, 50  # least change of amplitude on a torus; parts of the last look in which it is taken
+LAST = 10.0  # windows that the very last look takes
 _STEPS = 4_000_000  # of one trajectory in one round
 _BLOCKS = 20
 _TURN = 2.0 * np.pi
@@ -291,10 +292,11 @@ class Judge:
         found: list[Attractor | None], t: float, long: float = 1.0,
     ) -> Iterator[tuple[int, Pieces]]:  # fmt: skip
         """The windows at the end of a round, one trajectory after the other; x and sizes are moved on."""
-        for first in range(0, which.size, 16):  # at once in memory
+        at_once = 16 if long == 1.0 else 4  # in memory
+        for first in range(0, which.size, at_once):
             if self.stop.is_set():
                 raise _StoppedError
-            part = which[first : first + 16]
+            part = which[first : first + at_once]
             looks, run = self.engine.pieces(
                 x[part], long * self.window, p[part], sizes=sizes[part], steps=_STEPS
             )
@@ -380,10 +382,9 @@ class Judge:
         )  # fmt: skip
         x[which], sizes[which] = run.states[-1], run.sizes
         t, found = self.longest + duration, [None] * len(x)
-        judged = {
-            i: self._judged(pieces, p[i], scales[i], t)
-            for i, pieces in self._look(which[run.fine], x, sizes, p, found, t, LAST)  # type: ignore[arg-type]
-        }
+        judged, beats = {}, {}
+        for i, pieces in self._look(which[run.fine], x, sizes, p, found, t, LAST):  # type: ignore[arg-type]
+            judged[i], beats[i] = self._judged(pieces, p[i], scales[i], t), self._beats(pieces, scales[i])
         answers = []
         for k, i in enumerate(which):
             last = judged.get(int(i))
@@ -392,13 +393,13 @@ class Judge:
             elif last.kind in (Kind.LOST, Kind.EQUILIBRIUM):
                 answers.append(last)
             else:
-                answers.append(self._long_run(run, k, last, before[int(i)], duration))
+                answers.append(self._long_run(run, k, last, before[int(i)], beats[int(i)]))
         return answers
 
     def _long_run(
-        self, run: Transverse, k: int, last: Attractor, before: Attractor | None, duration: float
+        self, run: Transverse, k: int, last: Attractor, before: Attractor | None, beats: float
     ) -> Attractor:
-        growth, states = run.growth[:, k], run.states[1:, k]
+        growth, states, duration = run.growth[:, k], run.states[1:, k], float(run.times[-1])
         edges = np.interp(
             np.linspace(0.0, duration, _BLOCKS + 1), np.append(0.0, run.times), np.append(0.0, growth)
         )
@@ -414,10 +415,19 @@ class Judge:
         first, second = np.array_split(states, 2)
         ranges = np.ptp(first, axis=0), np.ptp(second, axis=0)
         alike = np.abs(ranges[0] - ranges[1]) <= SAME_RANGE * np.maximum(*ranges)
-        if abs(efolds) <= EFOLDS and np.all(alike | (self.turns & (low + _TURN <= high))):
+        if abs(efolds) <= EFOLDS and beats >= BEATS and np.all(alike | (self.turns & (low + _TURN <= high))):
             return replace(wide, **facts, kind=Kind.TORUS, period=None, note="")
         note = f"a disturbance across the flow grew by e^{efolds:.3g} in {duration:.4g}; {last.note or last.kind.value}"
         return replace(wide, **facts, kind=Kind.UNDECIDED, note=note)
+
+    def _beats(self, pieces: Pieces, scales: np.ndarray) -> float:
+        """By how much the amplitude goes up and down again, as a share of it, in the state where that is most."""
+        parts = np.array_split(pieces.joints()[:, ~self.turns], ENVELOPE)
+        sizes = np.array([np.ptp(part, axis=0) for part in parts if len(part)])
+        moves = sizes.max(axis=0, initial=0.0) > 1e-6 * scales[~self.turns]
+        steps = np.diff(sizes[:, moves], axis=0) / np.maximum(sizes[:, moves].max(axis=0, initial=0.0), 1e-300)
+        both = np.minimum(np.maximum(steps, 0.0).sum(axis=0), np.maximum(-steps, 0.0).sum(axis=0))
+        return float(both.max(initial=0.0))
 
     def _ranging(self, one: Attractor, low: np.ndarray, high: np.ndarray, mean: np.ndarray) -> Attractor:
         """With these extremes; a state that went round takes every angle."""
