@@ -4,8 +4,11 @@ The code that a step runs is made for each tape (`taylor_code.py`) and called by
 in columns of `rows`, `constants`, `control` and `lanes`; nothing that a lane computes depends on another.
 """
 
+from ctypes import CFUNCTYPE, c_int64, c_void_p
+
 import numpy as np
 from llvmlite import ir
+from numba import config
 from numba.core import types
 from numba.extending import intrinsic
 
@@ -30,6 +33,12 @@ def _call(typing, address, rows, constants, control):
         return builder.call(function, pointers)
 
     return types.int64(types.int64, types.int64, types.int64, types.int64), generate
+
+
+if config.DISABLE_JIT:  # type: ignore[attr-defined]  # kernels run as plain Python: call what they would call
+
+    def _call(address, rows, constants, control):
+        return CFUNCTYPE(c_int64, c_void_p, c_void_p, c_void_p)(address)(rows, constants, control)
 
 
 @compiled
