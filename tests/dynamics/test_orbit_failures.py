@@ -351,6 +351,15 @@ def test_random_systems(seed, n, ds):
     assert fine[0].grid.degree == 5
 
 
+def test_a_family_whose_period_changes_is_one_too():
+    """Duffing's oscillator, undamped at mu = 0."""
+    system = rw.System(lambda x, p: (x.v, p.mu * x.v - x.u - x.u**3), ("u", "v"), {"mu": -0.5})
+    (hopf,) = rw.continue_equilibria(system, "mu", start=[0, 0], until=(-1, 1)).points("hopf")
+    branch = rw.continue_orbits(system, "mu", start=hopf, until=(-1, 1), ds=0.2)
+    assert branch.ended[1] is Ended.FAMILY
+    assert np.ptp(branch["period"]) > 0.1
+
+
 @pytest.mark.parametrize("ds", [0.05, 0.5])
 def test_a_vertical_family_ends_early_and_says_so(ds):
     """Van der Pol's cycles at mu = 0 are all circles: the Hopf point there is degenerate."""

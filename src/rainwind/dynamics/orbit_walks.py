@@ -19,6 +19,7 @@ from rainwind.errors import InputError, is_interrupt
 
 _LOOKS = 12
 _STILL = (12, 1e-9)  # so many orbits in a row; of the parameter's unit
+_TWIN = 1e-3  # of log mu: beside the trivial multiplier a second one is 1, to the root of rounding
 _SAME = 1e-5  # in units: how near to its start a closed walk comes
 
 Progress = Callable[[Orbit, int], None]
@@ -93,7 +94,7 @@ def walked(route: Route, start: OrbitNode) -> Half:
                 route.progress(orbit, len(orbits))
             if ended is None and orbit.period > route.longest:
                 ended = Ended.HOMOCLINIC
-            elif ended is None and _vertical(route, nodes):
+            elif ended is None and _vertical(route, nodes, orbits):
                 ended = Ended.FAMILY
             elif ended is None and len(nodes) >= route.limit:
                 ended = Ended.TOO_MANY_POINTS
@@ -114,9 +115,12 @@ def walked(route: Route, start: OrbitNode) -> Half:
     return Half(nodes, orbits, ended or walk.ended, [*found, *points], gaps)  # type: ignore[arg-type]
 
 
-def _vertical(route: Route, nodes: Sequence[OrbitNode]) -> bool:
+def _vertical(route: Route, nodes: Sequence[OrbitNode], orbits: Sequence[Orbit]) -> bool:
     """Whether the parameter has stood still, to rounding, over the last orbits: a whole family at one value."""
     if len(nodes) <= _STILL[0] or len(route.problem.along) > 1:
+        return False
+    # towards a homoclinic orbit it stands still too, but no second multiplier is 1 there
+    if any(np.abs(orbit.exponents).min(initial=np.inf) > _TWIN for orbit in orbits[-_STILL[0] :]):
         return False
     last = nodes[-_STILL[0] :]
     values = [route.problem.on(node.grid).parts(node.u)[2][0] for node in last]
