@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from rainwind.dynamics.drive import Drive
-from rainwind.dynamics.engines import Choice, Stiff, cheaper
+from rainwind.dynamics.engines import Choice, Stiff, cheaper, taylor_cost
 from rainwind.dynamics.kernels import reductions as kernel
 from rainwind.dynamics.kernels import taylor as taylor_kernel
 from rainwind.dynamics.kernels.values import values
 from rainwind.dynamics.pieces import Pieces
-from rainwind.dynamics.reductions import Gathered, Reduction, View
+from rainwind.dynamics.reductions import Gathered, Marked, Reduction, View
 from rainwind.dynamics.system import System
 from rainwind.dynamics.tape import Tape
 from rainwind.dynamics.taylor import Block, TaylorEngine
@@ -27,13 +27,16 @@ _BLOCK = 64
 _NODES = 8  # degree of the polynomials for observables along steps of the stiff method
 _GREW = 1e6
 _KEPT = 4  # engines
+_HUGE = 1e90
+_LOST = 1e3  # tolerances below which a disturbance is rounding
 
 
 @dataclass(frozen=True, eq=False)
 class Plan:
     """One ensemble without its rows.
 
-    flow: the tape of all states, those of a disturbance among them; full: with the margins of the model's limits that
+    flow: the tape of all states, those of a disturbance among them; stops: times up to the end at which disturbances
+    are shortened again, the end alone where there are none; full: with the margins of the model's limits that
     end a trajectory, then the observables, as further outputs; extra: tapes of those alone. base (P,): the parameters'
     values; columns: numbers of the parameters that rows give.
     """
@@ -48,12 +51,18 @@ class Plan:
     drive: Drive
     tolerance: float
     most_steps: int
+    stops: tuple[float, ...]
     reductions: tuple[Reduction, ...]
 
     @property
     def width(self) -> int:
         """How many states the model has; the disturbance's come after them."""
         return len(self.view.states)
+
+    @property
+    def disturbed(self) -> bool:
+        """Whether a disturbance is followed."""
+        return len(self.flow.states) > self.width
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +110,8 @@ class _Work:
         self.parameters[:, list(plan.columns)] = rows.values
         self.x = np.zeros((many, n))
         self.x[:, : plan.width] = rows.starts
-        self.x[:, plan.width : 2 * plan.width] = 1.0  # a disturbance, where one is followed
+        self.x[:, plan.width :] = 1.0 / np.sqrt(plan.width)  # a disturbance, where one is followed
+        self.growth = np.zeros(many)  # the logarithm of what it has been shortened by
         self.t, self.sizes = np.zeros(many), np.zeros((many, n))
         self.ended = np.full(many, NOT_DONE)
         self.limits, self.steps = np.full(many, -1), np.zeros((many, 2), dtype=np.int64)
@@ -110,40 +120,87 @@ class _Work:
         self.gathered: list[Gathered] = [one.gather(plan.view, many) for one in plan.reductions]
 
     def run(self) -> Done | None:
-        end, pause = self.plan.view.duration, PAUSE
         left = np.arange(len(self.rows))
+        for k in range(len(self.plan.stops)):
+            left = self._until(k, left)
+            if left is None:
+                return None
+        return self._done()
+
+    def _until(self, k: int, left: np.ndarray) -> np.ndarray | None:
+        """Some trajectories to a stop; those that go on from there, None where `stopped` said so."""
+        plan, stop, pause, arrived = self.plan, self.plan.stops[k], PAUSE, []
+        last = k == len(plan.stops) - 1
         while left.size:
             before, since = self.t[left], self.steps[left, 0]
-            statuses = self._lanes(left, min(pause, self.plan.most_steps))
+            statuses = self._lanes(left, stop, min(pause, plan.most_steps))
             if statuses is None:
                 return None
             again = []
-            for k, job in enumerate(left.tolist()):
+            for i, job in enumerate(left.tolist()):
                 if self.cuts[job] < np.inf:
                     self.ended[job] = ENDED.index(RunEnded.LEFT_VALIDITY)
-                elif statuses[k] == taylor_kernel.ARRIVED:
-                    self.ended[job], self.t[job] = ENDED.index(RunEnded.DURATION), end
-                elif self.steps[job].sum() >= self.plan.most_steps:
+                elif statuses[i] == taylor_kernel.ARRIVED:
+                    self.t[job] = stop
+                    if last:
+                        self.ended[job] = ENDED.index(RunEnded.DURATION)
+                    arrived.append(job)
+                elif self.steps[job].sum() >= plan.most_steps:
                     self.ended[job] = ENDED.index(RunEnded.TOO_MANY_STEPS)
-                elif statuses[k] == taylor_kernel.TOO_MANY and not self._stiff(
-                    job, (self.t[job] - before[k]) / (self.steps[job, 0] - since[k])
+                elif self._goes_on(
+                    job, statuses[i], stop, (self.t[job] - before[i]) / max(self.steps[job, 0] - since[i], 1)
                 ):
                     again.append(job)
-                elif not self._alone(job):
+                elif not self._alone(job, k):
                     return None
             left = np.array(again, dtype=np.int64)
             pause *= 2
-        return self._done()
+        self._mark(stop, arrived)
+        return np.array(sorted(arrived), dtype=np.int64)
 
-    def _lanes(self, jobs: np.ndarray, most: int) -> np.ndarray | None:
+    def _goes_on(self, job: int, status: int, stop: float, mean: float) -> bool:
+        """Whether Taylor steps, `mean` long so far, are the way on for a trajectory that has not arrived."""
+        if status == taylor_kernel.RAN_AWAY:
+            return self._shortened(job)
+        return status == taylor_kernel.TOO_MANY and not self._stiff(job, stop, mean)
+
+    def _mark(self, stop: float, jobs: list[int]) -> None:
+        """At a stop: disturbances get their first length again, and reductions are told how much they have grown."""
+        if not self.plan.disturbed or not jobs:
+            return
+        for job in jobs:
+            self._shorten(job, self.x[job], self.sizes[job])
+        for one in self.gathered:
+            if isinstance(one, Marked):
+                one.mark(stop, np.array(jobs), self.growth)
+
+    def _shorten(self, job: int, x: np.ndarray, sizes: np.ndarray) -> None:
+        """Give a disturbance the length 1, and remember by how much it had grown."""
+        w = x[self.plan.width :]
+        length = float(np.abs(w).max())
+        length *= float(np.sqrt(np.sum((w / length) ** 2)))
+        self.growth[job] += np.log(length)
+        if length < _LOST * self.plan.tolerance:
+            self.growth[job] = np.nan
+        w /= length
+        sizes[self.plan.width :] = 0.0  # to be found anew
+
+    def _shortened(self, job: int) -> bool:
+        """Whether only the disturbance grew too large: then it is shortened, and the run goes on."""
+        x = self.x[job]
+        far = self.plan.disturbed and float(np.abs(x[: self.plan.width]).max()) < _HUGE < np.abs(x).max()
+        if far and np.all(np.isfinite(x)):
+            self._shorten(job, x, self.sizes[job])
+            return True
+        return False
+
+    def _lanes(self, jobs: np.ndarray, stop: float, most: int) -> np.ndarray | None:
         """Taylor steps of some trajectories, at most so many of each; their statuses."""
         plan = self.plan
-        engine = _engine(plan)
-        most = np.minimum(most, plan.most_steps - self.steps[jobs].sum(axis=1)).min()
         drives = [plan.drive.pieces] if plan.drive.names else ()
-        walk = engine.blocks(
-            self.x[jobs], plan.view.duration - self.t[jobs], self.parameters[jobs], begin=self.t[jobs],
-            sizes=self.sizes[jobs], drives=drives, steps=int(most), block=_BLOCK,
+        walk = _engine(plan).blocks(
+            self.x[jobs], stop - self.t[jobs], self.parameters[jobs], begin=self.t[jobs], sizes=self.sizes[jobs],
+            drives=drives, steps=most, block=_BLOCK,
         )  # fmt: skip
         for block in walk:
             numbers = np.where(block.trajectories >= 0, jobs[block.trajectories], -1)
@@ -170,45 +227,50 @@ class _Work:
             one.take(block, self.cuts)
         return gone
 
-    def _stiff(self, job: int, mean: float) -> bool:
+    def _stiff(self, job: int, stop: float, mean: float) -> bool:
         """Whether the stiff method costs less from here, by the rule of `simulate`."""
         plan = self.plan
         stiff = Stiff(self._system(job), plan.drive, plan.tolerance)
-        order = _engine(plan).order
-        cost = 60.0 + 0.045 * stiff.moving * (order + 1) * (order + 2)
-        return cheaper(stiff, cost, mean, self.t[job], self.x[job], self.sizes[job], plan.view.duration)
+        cost = taylor_cost(_engine(plan).order, stiff.moving)
+        return cheaper(stiff, cost, mean, self.t[job], self.x[job], self.sizes[job], stop)
 
     def _system(self, job: int) -> System:
         names = self.plan.flow.parameters
         values = dict(zip(names, self.parameters[job].tolist(), strict=True))
         return System(_no_rhs, self.plan.flow.states, values, tape=self.plan.flow)
 
-    def _alone(self, job: int) -> bool:
-        """One trajectory to its end, by whichever method costs less; False where `stopped` said so."""
-        plan, end = self.plan, self.plan.view.duration
+    def _alone(self, job: int, k: int) -> bool:
+        """One trajectory from before stop number k to its end, by whichever method costs less; False where `stopped`
+        said so."""
+        plan = self.plan
         choice = Choice(self._system(job), plan.drive, plan.tolerance, "auto")
         x, sizes, t = self.x[job].copy(), self.sizes[job].copy(), float(self.t[job])
-        start = float(np.abs(self.rows.starts[job]).max(initial=0.0))
-        why: RunEnded | None = None
-        before = self.steps[job].copy()
-        while t < end and why is None and not self.cuts[job] < np.inf:
-            left = plan.most_steps - int(self.steps[job].sum())
-            if left <= 0:
-                why = RunEnded.TOO_MANY_STEPS
+        before, why = self.steps[job].copy(), None
+        for stop in plan.stops[k:]:
+            while t < stop and why is None:
+                pieces, why = choice.advance(
+                    t, x, sizes, stop, max(1, plan.most_steps - int(self.steps[job].sum()))
+                )
+                if len(pieces):
+                    self._take(self._block(pieces, job))
+                    t = float(pieces.times[-1])
+                self.steps[job] = before + np.array([choice.steps["taylor"], choice.steps["rosenbrock"]])
+                if self.cuts[job] < np.inf:
+                    why = RunEnded.LEFT_VALIDITY
+                elif why is None and t < stop and self.steps[job].sum() >= plan.most_steps:
+                    why = RunEnded.TOO_MANY_STEPS
+                if self.stopped():
+                    return False
+            self.x[job], self.sizes[job], self.t[job] = x, sizes, t
+            if why is not None:
                 break
-            pieces, why = choice.advance(t, x, sizes, end, left)
-            if len(pieces):
-                self._take(self._block(pieces, job))
-                t = float(pieces.times[-1])
-            self.steps[job] = before + np.array([choice.steps["taylor"], choice.steps["rosenbrock"]])
-            if self.stopped():
-                return False
+            self._mark(stop, [job])
+            x, sizes = self.x[job].copy(), self.sizes[job].copy()
         if why in (RunEnded.STEP_TOO_SMALL, RunEnded.RAN_AWAY):
+            start = float(np.abs(self.rows.starts[job]).max(initial=0.0))
             grew = float(np.abs(x[: plan.width]).max()) > _GREW * start
             why = RunEnded.RAN_AWAY if grew else RunEnded.STEP_TOO_SMALL
-        if self.cuts[job] < np.inf:
-            why = RunEnded.LEFT_VALIDITY
-        self.x[job], self.t[job], self.ended[job] = x, t, ENDED.index(why or RunEnded.DURATION)
+        self.ended[job] = ENDED.index(why or RunEnded.DURATION)
         return True
 
     def _block(self, pieces: Pieces, job: int) -> Block:

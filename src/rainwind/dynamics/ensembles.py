@@ -13,7 +13,7 @@ from rainwind import __version__
 from rainwind.dynamics.checkpoints import Checkpoint
 from rainwind.dynamics.ensemble_plan import NOT_DONE, Done, Plan, Rows, tape_key
 from rainwind.dynamics.ensemble_results import Ensemble
-from rainwind.dynamics.reductions import Lyapunov, View, checked
+from rainwind.dynamics.reductions import Lyapunov, View, checked, listed, stops
 from rainwind.dynamics.run_inputs import run_drive, run_parameters, run_start, turning_states
 from rainwind.dynamics.sampling import Sample, as_sample
 from rainwind.dynamics.signals import Signal
@@ -21,7 +21,7 @@ from rainwind.dynamics.simulate import TOLERANCES
 from rainwind.dynamics.system import System, as_system, number
 from rainwind.dynamics.tangent_tape import with_tangents
 from rainwind.dynamics.tape import Tape, trace_function
-from rainwind.dynamics.tape_outputs import with_growth, with_outputs
+from rainwind.dynamics.tape_outputs import with_outputs
 from rainwind.dynamics.workers import Workers, as_workers
 from rainwind.errors import ComputationError, InputError, is_interrupt
 from rainwind.parameters import unknown_name
@@ -30,6 +30,8 @@ Progress = Callable[[int, int, str], None]
 _SMALLEST, _LARGEST = 64, 512  # trajectories of a chunk
 _CHUNKS = 8  # for each worker, at least
 _CHECKED = 4096  # combinations of parameters that the model looks at
+_LOOKED_AT = 256  # starts
+_FOLDS = 5.0  # by which powers of e a disturbance may change before it gets its length again
 _FIRST_RATE = 2.0  # seconds before a rate is told
 
 
@@ -90,7 +92,7 @@ def ensemble(
     values = np.stack([sample.values[name] for name in columns], axis=1) if sample and columns else None
     values = np.zeros((len(starts), 0)) if values is None else values
     _check_rows(system, columns, values)
-    plan, column_names = _plan(model, system, starts[0], columns, drive, float(duration), float(tolerance), reduce,
+    plan, column_names = _plan(model, system, starts, values, columns, drive, float(duration), float(tolerance), reduce,
                                observe or {}, most_steps)  # fmt: skip
     store = Checkpoint(checkpoint, _about(plan, starts, values)) if checkpoint is not None else None
     rows = _Rows(starts, values)
@@ -180,13 +182,13 @@ def _check_rows(system: System, names: tuple[str, ...], values: np.ndarray) -> N
 
 
 def _plan(
-    model: Any, system: System, start: np.ndarray, columns: tuple[str, ...], drive: Any, duration: float,
-    tolerance: float, reduce: Any, observe: Mapping[str, Any], most_steps: int,
+    model: Any, system: System, starts: np.ndarray, values: np.ndarray, columns: tuple[str, ...], drive: Any,
+    duration: float, tolerance: float, reduce: Any, observe: Mapping[str, Any], most_steps: int,
 ) -> tuple[Plan, dict[str, tuple[str, ...] | None]]:  # fmt: skip
     if not isinstance(observe, Mapping) or not all(callable(function) for function in observe.values()):
         raise InputError(f"observe = {observe!r}: give functions by name, {{'lift': lambda x, p: ...}}")
     functions = dict(observe)
-    asks = [reduce] if isinstance(reduce, str) or hasattr(reduce, "gather") else list(reduce)
+    asks = listed(reduce)
     if (
         hasattr(model, "energy")
         and "energy" not in functions
@@ -202,9 +204,9 @@ def _plan(
     extra += [trace_function(f, *names, f"observable '{name}'") for name, f in functions.items()]
     flow = system.tape
     if any(isinstance(one, Lyapunov) or one == "lyapunov" for one in asks):
-        flow = with_growth(flow, with_tangents(flow))
+        flow = with_tangents(flow)
     rows = (*flow.states, *(f"limit {name}" for name in limits), *functions)
-    view = View(rows, system.states, duration, turning_states(system, start), tolerance)
+    view = View(rows, system.states, duration, turning_states(system, starts[0]), tolerance)
     reductions, column_names = checked(reduce, view)
     shift = len(flow.states) - len(system.states)
     drive = type(drive)(drive.names, drive.numbers + shift, drive.pieces)
@@ -219,9 +221,23 @@ def _plan(
         drive=drive,
         tolerance=tolerance,
         most_steps=most_steps,
+        stops=stops(reductions, view, _longest(system, starts, columns, values, duration))
+        if shift
+        else (duration,),
         reductions=reductions,
     )
     return plan, column_names
+
+
+def _longest(
+    system: System, starts: np.ndarray, columns: tuple[str, ...], values: np.ndarray, duration: float
+) -> float:
+    """For how long a disturbance may grow or shrink before it gets its length again, judged at some of the starts."""
+    some = np.unique(np.linspace(0, len(starts) - 1, _LOOKED_AT).astype(int))
+    jacobians = system.jacobian(starts[some], {name: values[some, k] for k, name in enumerate(columns)})
+    jacobians = jacobians[np.isfinite(jacobians).all(axis=(1, 2))]
+    rates = np.abs(np.linalg.eigvals(jacobians).real.max(axis=1)) if len(jacobians) else np.zeros(1)
+    return max(min(duration / 8.0, _FOLDS / max(float(rates.max()), 1e-300)), duration / 1000.0)
 
 
 def _asked(one: Any) -> Sequence[str]:

@@ -1,9 +1,10 @@
 """What an ensemble keeps of each trajectory: a few numbers, gathered while it runs, so that memory stays bounded."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from math import pi
-from typing import Any, Protocol
+from itertools import pairwise
+from math import ceil, pi
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -60,6 +61,15 @@ class Gathered(Protocol):
 
     def found(self) -> dict[str, np.ndarray]:
         """Arrays (N, ...) by name."""
+        ...
+
+
+@runtime_checkable
+class Marked(Protocol):
+    """One that wants to know the growth of disturbances (N,), whenever trajectories `jobs` are at a stop."""
+
+    def mark(self, t: float, jobs: np.ndarray, growth: np.ndarray) -> None:
+        """At time t."""
         ...
 
 
@@ -318,12 +328,13 @@ class _TimeTo:
 
 @dataclass(frozen=True)
 class Settled:
-    """Whether a trajectory has settled, from its last two windows of time: their extremes and means compared.
+    """Whether a trajectory has settled, from its last two windows of time: the extremes of both compared.
 
-    window: the length of each, None: a fifth of the run. within: how near, as a share of the amplitude, is settled.
+    window: the length of each, None: a fifth of the run; longer than a period. within: how near, as a share of the
+    amplitude, is settled. An equilibrium is what is left of the run's range, no more than that share, and shrinks.
     Arrays: "settled" (N,), the number in `rw.SETTLED` = ("not settled", "equilibrium", "oscillation", "whole
-    turns"); "change" (N,), the largest change from one window to the next as a share of the amplitude; "swing"
-    (N, n), half peak-to-peak in the last window; "turns" (N, n), whole turns gained over the last window.
+    turns"); "change" (N,), the largest change of an extreme value from one window to the next as a share of the
+    amplitude; "swing" (N, n), half peak-to-peak in the last window; "turns" (N, n), whole turns gained over it.
     A torus or chaos whose windows look alike is an oscillation too: `Lyapunov` and `Returns` tell them apart.
     """
 
@@ -358,14 +369,13 @@ class _Settled:
         self.edges = end - 2.0 * width, end - width, end
         windows = (self.edges[:2], self.edges[1:])
         self.extremes = [_Extremes(rows, *window, many) for window in windows]
-        self.means = [_Mean(rows, *window, many, False) for window in windows]
         self.ends = np.full((3, many, rows.size), np.nan)
         self.low, self.high = np.full((many, rows.size), np.inf), np.full((many, rows.size), -np.inf)
         self.rows = rows
 
     def take(self, block: Block, cuts: np.ndarray) -> None:
         kernel.ranges(*_arrays(block), self.rows, cuts, self.low, self.high)
-        for part in (*self.extremes, *self.means):
+        for part in self.extremes:
             part.take(block, cuts)
         for edge, states in zip(self.edges, self.ends, strict=True):
             kernel.states_at(*_arrays(block), self.rows, edge, cuts, states)
@@ -375,14 +385,14 @@ class _Settled:
         turning = np.array([name in view.turning for name in view.states])
         with np.errstate(invalid="ignore", divide="ignore"):
             before, last = (0.5 * (part.high - part.low) for part in self.extremes)
-            means = [part.total[:, : self.rows.size] / part.duration[:, None] for part in self.means]
             gained = [self.ends[1] - self.ends[0], self.ends[2] - self.ends[1]]
             turns = np.where(turning, np.round(gained[1] / _TURN), 0.0) + 0.0
             ranges = np.where(self.high > self.low, self.high - self.low, 0.0)
             sizes = np.maximum(np.abs(self.high), np.abs(self.low))
             noise = 1e3 * view.tolerance * np.where(sizes > 0.0, sizes, 1.0)
             units = np.maximum(last, 1e-3 * ranges + noise)
-            change = np.maximum(np.abs(last - before), np.abs(means[1] - means[0])) / units
+            first, second = self.extremes
+            change = np.maximum(np.abs(second.low - first.low), np.abs(second.high - first.high)) / units
             # of a state that goes round, only how fast it does is looked at
             round_ = np.abs(turns) > 0.0
             speed = np.abs(gained[1] - gained[0]) / np.maximum(np.abs(gained[1]), _TURN)
@@ -399,9 +409,10 @@ class _Settled:
 class Lyapunov:
     """The largest Lyapunov exponent over a window of time: array "lyapunov" (N,), per unit of time.
 
-    The growth of one small disturbance, followed beside the state; it takes about twice the time. `half_lyapunov`
-    (N,) is that of the window's second half alone: how much both differ says how sure the number is. Positive:
-    chaos; zero: a cycle or a torus; negative: an equilibrium.
+    The growth of one small disturbance, followed beside the state (Benettin et al., Meccanica 15 (1980) 9).
+    "half_lyapunov" (N,) is that of the window's second half alone: how much both differ says how sure the number is.
+    Positive: chaos; zero: a cycle or a torus; negative: an equilibrium. NaN where the disturbance died out so fast that
+    its rate was lost in rounding.
     """
 
     since: float = 0.0
@@ -415,22 +426,41 @@ class Lyapunov:
 
     def gather(self, view: View, many: int) -> Gathered:
         """Nothing yet."""
-        return _Lyapunov(view.row("growth"), *view.window(self.since, self.until, ""), many)
+        return _Lyapunov(*view.window(self.since, self.until, ""), many)
 
 
 class _Lyapunov:
-    def __init__(self, row: int, since: float, until: float, many: int) -> None:
-        self.row = np.array([row])
+    def __init__(self, since: float, until: float, many: int) -> None:
         self.edges = since, 0.5 * (since + until), until
-        self.values = np.full((3, many, 1), np.nan)
+        self.values = np.full((3, many), np.nan)
+        if since == 0.0:
+            self.values[0] = 0.0
 
     def take(self, block: Block, cuts: np.ndarray) -> None:
+        pass
+
+    def mark(self, t: float, jobs: np.ndarray, growth: np.ndarray) -> None:
         for edge, values in zip(self.edges, self.values, strict=True):
-            kernel.states_at(*_arrays(block), self.row, edge, cuts, values)
+            if t == edge:
+                values[jobs] = growth[jobs]
 
     def found(self) -> dict[str, np.ndarray]:
-        (a, b, c), (first, middle, last) = self.edges, self.values[:, :, 0]
+        (a, b, c), (first, middle, last) = self.edges, self.values
         return {"lyapunov": (last - first) / (c - a), "half_lyapunov": (last - middle) / (c - b)}
+
+
+def stops(reductions: Sequence[Reduction], view: View, longest: float) -> tuple[float, ...]:
+    """The times at which disturbances are shortened: where exponents begin and end, and as often as `longest` says."""
+    edges = {view.duration}
+    for one in reductions:
+        if isinstance(one, Lyapunov):
+            since, until = view.window(one.since, one.until, "")
+            edges |= {since, 0.5 * (since + until), until}
+    found: list[float] = []
+    for a, b in pairwise(sorted(edges | {0.0})):
+        parts = ceil((b - a) / longest)
+        found += [a + (b - a) * k / parts for k in range(1, parts)] + [b]
+    return tuple(found)
 
 
 def _arrays(block: Block) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -445,12 +475,22 @@ BY_NAME: dict[str, Reduction] = {
 }
 
 
+def listed(reduce: Any) -> list[Any]:
+    """One reduction or several. Raises InputError for what is neither."""
+    if isinstance(reduce, str) or hasattr(reduce, "gather"):
+        return [reduce]
+    if not isinstance(reduce, Iterable):
+        raise InputError(
+            f"reduce takes {', '.join(BY_NAME)}, or objects such as rw.Extremes(since=200); got {reduce!r}"
+        )
+    return list(reduce)
+
+
 def checked(reduce: Any, view: View) -> tuple[tuple[Reduction, ...], dict[str, tuple[str, ...] | None]]:
     """Reductions, and the names and columns of their arrays. Raises InputError."""
-    given = (reduce,) if isinstance(reduce, str) or hasattr(reduce, "gather") else tuple(reduce)
     found: list[Reduction] = []
     columns: dict[str, tuple[str, ...] | None] = {}
-    for one in given:
+    for one in listed(reduce):
         if isinstance(one, str):
             if one not in BY_NAME:
                 raise unknown_name(one, BY_NAME, "reduction")

@@ -135,7 +135,7 @@ class System:
         found = values(*self.tape.arrays, inputs.reshape(-1, inputs.shape[-1]))
         return found.reshape(*inputs.shape[:-1], len(self.states))
 
-    def jacobian(self, x: Any, parameters: Mapping[str, float] | None = None) -> np.ndarray:
+    def jacobian(self, x: Any, parameters: Mapping[str, Any] | None = None) -> np.ndarray:
         """df_i/dx_j: x (..., n) -> (..., n, n)."""
         return self._derivatives(x, parameters, np.arange(len(self.states)))
 

@@ -21,28 +21,6 @@ def with_outputs(tape: Tape, more: Sequence[Tape]) -> Tape:
     return r.finish(tape.states, tape.parameters, [r.key(value) for value in outputs])
 
 
-def with_growth(tape: Tape, disturbed: Tape) -> Tape:
-    """x' = f, and beside it a disturbance w of constant length and the logarithm of the length it would have.
-
-    disturbed: x' = f, w' = J w, as `with_tangents(tape)` makes it. States x (n), w (n), "growth":
-    w' = J w - g w, growth' = g, with g = (w . J w) / (w . w). The slope of `growth` is the largest Lyapunov exponent.
-    Source: Benettin et al., Meccanica 15 (1980) 9, in its continuous form.
-    """
-    n = len(tape.states)
-    states = (*disturbed.states, "growth")
-    r = _Recorder(len(states) + len(tape.parameters))
-    inputs = [Symbol(r, ("in", i)) for i in range(r.inputs)]
-    outputs = replayed(r, disturbed, [*inputs[: 2 * n], *inputs[2 * n + 1 :]])
-    w, jw = inputs[n : 2 * n], outputs[n:]
-    along: Any = 0.0
-    length: Any = 0.0
-    for a, b in zip(w, jw, strict=True):
-        along, length = along + a * b, length + a * a
-    g = along / length
-    found = [*outputs[:n], *(b - g * a for a, b in zip(w, jw, strict=True)), g]
-    return r.finish(states, tape.parameters, [r.key(value) for value in found])
-
-
 def replayed(r: _Recorder, tape: Tape, inputs: Sequence[Any]) -> list[Any]:
     """Record all operations of a tape once more, from other inputs; its outputs."""
     value: dict[int, Any] = dict(enumerate(inputs))

@@ -76,16 +76,19 @@ def _zero_between(c, low, high, at_low, at_high):
 
 
 @compiled
-def _highest(c, d, low, high, best, bound_2, bound_3):
-    """The largest value of a polynomial on [low, high] if it exceeds `best`, else `best`. d: room for its derivative.
+def _highest(c, d, stack, low, high, best, bound_2, bound_3):
+    """The largest value of a polynomial on [low, high] if it exceeds `best`, else `best`. d, stack: room.
 
     Intervals that cannot hold a larger value are dropped, those with p'' of one sign give it at once, others are
     halved.
     """
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    if _value(c, middle) + abs(_slope(c, middle)) * half + 0.5 * bound_2 * half * half <= best:
+        return best
     for j in range(1, c.size):
         d[j - 1] = j * c[j]
     d[c.size - 1] = 0.0
-    lows, highs = np.empty(_DEEPEST + 2), np.empty(_DEEPEST + 2)
+    lows, highs = stack[0], stack[1]
     lows[0], highs[0] = low, high
     waiting = 1
     width = (high - low) * 1e-12
@@ -116,82 +119,148 @@ def _highest(c, d, low, high, best, bound_2, bound_3):
 
 
 @compiled
+def _spans(numbers, times, lengths, since, until, cuts, begins, ends):
+    """What of a step counts in each lane: from begins to ends (W,) after its beginning; whether any lane has some."""
+    some = False
+    for lane in range(numbers.size):
+        begins[lane], ends[lane] = 0.0, 0.0
+        if numbers[lane] >= 0:
+            t = times[lane]
+            begin, end = max(0.0, since - t), min(lengths[lane], min(until, cuts[numbers[lane]]) - t)
+            if begin < end:
+                begins[lane], ends[lane], some = begin, end, True
+    return some
+
+
+# in the next two, four lanes go together in registers: what each does is the same as alone
+
+
+@compiled
+def _at(c, s, found):
+    """Values of polynomials c (D + 1, W) at s (W,)."""
+    top, width = c.shape[0] - 1, s.size
+    whole = width - width % 4
+    for lane in range(0, whole, 4):
+        s_0, s_1, s_2, s_3 = s[lane], s[lane + 1], s[lane + 2], s[lane + 3]
+        a_0, a_1, a_2, a_3 = c[top, lane], c[top, lane + 1], c[top, lane + 2], c[top, lane + 3]
+        for j in range(top - 1, -1, -1):
+            a_0, a_1 = a_0 * s_0 + c[j, lane], a_1 * s_1 + c[j, lane + 1]
+            a_2, a_3 = a_2 * s_2 + c[j, lane + 2], a_3 * s_3 + c[j, lane + 3]
+        found[lane], found[lane + 1], found[lane + 2], found[lane + 3] = a_0, a_1, a_2, a_3
+    for lane in range(whole, width):
+        a_0 = c[top, lane]
+        for j in range(top - 1, -1, -1):
+            a_0 = a_0 * s[lane] + c[j, lane]
+        found[lane] = a_0
+
+
+@compiled
+def _slopes(c, h, found):
+    """Bounds of what the slope of polynomials changes by on [0, h]: the sum of j |c_j| h^(j-1) over j >= 2."""
+    top, width = c.shape[0] - 1, h.size
+    whole = width - width % 4
+    for lane in range(0, whole, 4):
+        h_0, h_1, h_2, h_3 = h[lane], h[lane + 1], h[lane + 2], h[lane + 3]
+        a_0, a_1, a_2, a_3 = 0.0, 0.0, 0.0, 0.0
+        for j in range(top, 1, -1):
+            a_0, a_1 = (a_0 + j * abs(c[j, lane])) * h_0, (a_1 + j * abs(c[j, lane + 1])) * h_1
+            a_2, a_3 = (a_2 + j * abs(c[j, lane + 2])) * h_2, (a_3 + j * abs(c[j, lane + 3])) * h_3
+        found[lane], found[lane + 1], found[lane + 2], found[lane + 3] = a_0, a_1, a_2, a_3
+    for lane in range(whole, width):
+        a_0 = 0.0
+        for j in range(top, 1, -1):
+            a_0 = (a_0 + j * abs(c[j, lane])) * h[lane]
+        found[lane] = a_0
+
+
+@compiled
 def extremes(numbers, times, lengths, coefficients, rows, since, until, cuts, low, high):
     """The lowest and the highest values so far of some rows: low, high (N, k), infinite at first."""
-    order = coefficients.shape[2]
-    c, d = np.empty(order), np.empty(order)
+    order, width = coefficients.shape[2], coefficients.shape[3]
+    c, d, stack = np.empty(order), np.empty(order), np.empty((2, _DEEPEST + 2))
+    begins, ends = np.empty(width), np.empty(width)
+    rests = np.empty(width)
     for step in range(numbers.shape[0]):
-        for lane in range(numbers.shape[1]):
-            job = numbers[step, lane]
-            if job < 0:
-                continue
-            t, h = times[step, lane], lengths[step, lane]
-            begin, end = max(0.0, since - t), min(h, min(until, cuts[job]) - t)
-            if not begin < end:
-                continue
-            for k in range(rows.size):
+        if not _spans(numbers[step], times[step], lengths[step], since, until, cuts, begins, ends):
+            continue
+        for k in range(rows.size):
+            all_lanes = coefficients[step, rows[k]]
+            _slopes(all_lanes, ends, rests)
+            for lane in range(width):
+                end = ends[lane]
+                if end == 0.0:
+                    continue
+                job, value, slope, rest = (
+                    numbers[step, lane],
+                    all_lanes[0, lane],
+                    abs(all_lanes[1, lane]),
+                    rests[lane],
+                )
+                reach = (slope + rest) * end
+                if value + reach <= high[job, k] and value - reach >= low[job, k]:
+                    continue
                 for j in range(order):
-                    c[j] = coefficients[step, rows[k], j, lane]
-                at_begin = c[0] if begin == 0.0 else _value(c, begin)
-                at_end = _value(c, end)
+                    c[j] = all_lanes[j, lane]
+                begin = begins[lane]
+                at_begin, at_end = _value(c, begin), _value(c, end)
                 low[job, k] = min(low[job, k], min(at_begin, at_end))
                 high[job, k] = max(high[job, k], max(at_begin, at_end))
-                rest, power = 0.0, 1.0
-                for j in range(2, order):
-                    power *= h
-                    rest += j * abs(c[j]) * power
-                if rest < abs(c[1]):  # it rises or falls throughout
+                if rest < slope:  # it rises or falls throughout
                     continue
-                reach = (abs(c[1]) + rest) * h
-                above = c[0] + reach > high[job, k]
-                below = c[0] - reach < low[job, k]
+                above, below = value + reach > high[job, k], value - reach < low[job, k]
                 if not above and not below:
                     continue
-                _, second, third = _bounds(c, h)
+                _, second, third = _bounds(c, end)
                 if above:
-                    high[job, k] = _highest(c, d, begin, end, high[job, k], second, third)
+                    high[job, k] = _highest(c, d, stack, begin, end, high[job, k], second, third)
                 if below:
                     for j in range(order):
                         c[j] = -c[j]
-                    low[job, k] = -_highest(c, d, begin, end, -low[job, k], second, third)
+                    low[job, k] = -_highest(c, d, stack, begin, end, -low[job, k], second, third)
 
 
 @compiled
 def integrals(numbers, times, lengths, coefficients, rows, since, until, cuts, squares, total, duration):
     """Integrals so far of some rows, and of their squares where asked: total (N, 2 k), duration (N,)."""
-    order, many = coefficients.shape[2], rows.size
-    c = np.empty(order)
+    order, width, many = coefficients.shape[2], coefficients.shape[3], rows.size
+    shares = 1.0 / np.arange(1, order + 1)
+    begins, ends = np.empty(width), np.empty(width)
+    here, found, sums = np.empty(width), np.empty(width), np.empty(width)
+    c = np.empty((order, width))
     for step in range(numbers.shape[0]):
-        for lane in range(numbers.shape[1]):
-            job = numbers[step, lane]
-            if job < 0:
-                continue
-            t, h = times[step, lane], lengths[step, lane]
-            begin, end = max(0.0, since - t), min(h, min(until, cuts[job]) - t)
-            if not begin < end:
-                continue
-            duration[job] += end - begin
-            for k in range(many):
-                for j in range(order):
-                    c[j] = coefficients[step, rows[k], j, lane]
-                at_end, at_begin = 0.0, 0.0
-                for j in range(order - 1, -1, -1):
-                    at_end = at_end * end + c[j] / (j + 1)
-                    at_begin = at_begin * begin + c[j] / (j + 1)
-                total[job, k] += at_end * end - at_begin * begin
-                if squares:
-                    found = 0.0
-                    for g in range(_NODES.size):
-                        value = _value(c, begin + (end - begin) * _NODES[g])
-                        found += _WEIGHTS[g] * value * value
-                    total[job, many + k] += (end - begin) * found
+        if not _spans(numbers[step], times[step], lengths[step], since, until, cuts, begins, ends):
+            continue
+        for lane in range(width):
+            if ends[lane] > 0.0:
+                duration[numbers[step, lane]] += ends[lane] - begins[lane]
+        for k in range(many):
+            all_lanes = coefficients[step, rows[k]]
+            for j in range(order):
+                for lane in range(width):
+                    c[j, lane] = all_lanes[j, lane] * shares[j]
+            _at(c, ends, found)
+            _at(c, begins, here)
+            for lane in range(width):
+                if ends[lane] > 0.0:
+                    total[numbers[step, lane], k] += found[lane] * ends[lane] - here[lane] * begins[lane]
+            if squares:
+                sums[:] = 0.0
+                for g in range(_NODES.size):
+                    for lane in range(width):
+                        here[lane] = begins[lane] + (ends[lane] - begins[lane]) * _NODES[g]
+                    _at(all_lanes, here, found)
+                    for lane in range(width):
+                        sums[lane] += _WEIGHTS[g] * found[lane] * found[lane]
+                for lane in range(width):
+                    if ends[lane] > 0.0:
+                        total[numbers[step, lane], many + k] += (ends[lane] - begins[lane]) * sums[lane]
 
 
 @compiled
-def _crossings(c, begin, end, sign, at, rising):
+def _crossings(c, stack, begin, end, sign, at, rising):
     """Where a polynomial changes its sign on [begin, end], in order; how many, and the sign at the end.
 
-    sign: so far, 0 at the start of all. at, rising: filled.
+    sign: so far, 0 at the start of all. at, rising: filled. stack: room.
     """
     count = 0
     at_begin, at_end = _value(c, begin), _value(c, end)
@@ -204,7 +273,7 @@ def _crossings(c, begin, end, sign, at, rising):
         at[0], rising[0] = begin, now > 0.0
         count, sign = 1, now
     first, second, _ = _bounds(c, end)
-    lows, highs = np.empty(_DEEPEST + 2), np.empty(_DEEPEST + 2)
+    lows, highs = stack[0], stack[1]
     lows[0], highs[0] = begin, end
     waiting = 1
     width = (end - begin) * 1e-11
@@ -251,7 +320,7 @@ def sections(
     """
     order, n = coefficients.shape[2], ring_states.shape[2]
     g, c = np.empty(order), np.empty(order)
-    at, rising = np.empty(64), np.empty(64, dtype=np.bool_)
+    at, rising, stack = np.empty(64), np.empty(64, dtype=np.bool_), np.empty((2, _DEEPEST + 2))
     for step in range(numbers.shape[0]):
         for lane in range(numbers.shape[1]):
             job = numbers[step, lane]
@@ -283,7 +352,7 @@ def sections(
                 rest += abs(g[j]) * power
             if own[SIGN] != 0.0 and rest < abs(g[0]) and (g[0] > 0.0) == (own[SIGN] > 0.0):
                 continue
-            count, own[SIGN] = _crossings(g, begin, end, own[SIGN], at, rising)
+            count, own[SIGN] = _crossings(g, stack, begin, end, own[SIGN], at, rising)
             for i in range(count):
                 if direction != 0 and rising[i] != (direction > 0):
                     continue
@@ -333,7 +402,7 @@ def margins(numbers, times, lengths, coefficients, rows, cuts, which, states):
     """
     order, n = coefficients.shape[2], states.shape[1]
     c = np.empty(order)
-    at, rising = np.empty(64), np.empty(64, dtype=np.bool_)
+    at, rising, stack = np.empty(64), np.empty(64, dtype=np.bool_), np.empty((2, _DEEPEST + 2))
     for step in range(numbers.shape[0]):
         for lane in range(numbers.shape[1]):
             job = numbers[step, lane]
@@ -354,7 +423,7 @@ def margins(numbers, times, lengths, coefficients, rows, cuts, which, states):
                 if c[0] < 0.0:
                     s = 0.0
                 else:
-                    count, _ = _crossings(c, 0.0, h, 1.0, at, rising)
+                    count, _ = _crossings(c, stack, 0.0, h, 1.0, at, rising)
                     for i in range(count):
                         if not rising[i]:
                             s = at[i]
@@ -387,7 +456,7 @@ def first_time(numbers, times, lengths, coefficients, row, level, way, since, un
     """When a row first lies at or beyond a level: above it (way = 1) or below it (-1). found (N,), NaN before."""
     order = coefficients.shape[2]
     c = np.empty(order)
-    at, rising = np.empty(64), np.empty(64, dtype=np.bool_)
+    at, rising, stack = np.empty(64), np.empty(64, dtype=np.bool_), np.empty((2, _DEEPEST + 2))
     for step in range(numbers.shape[0]):
         for lane in range(numbers.shape[1]):
             job = numbers[step, lane]
@@ -409,7 +478,7 @@ def first_time(numbers, times, lengths, coefficients, row, level, way, since, un
             if _value(c, begin) >= 0.0:
                 found[job] = t + begin
                 continue
-            count, _ = _crossings(c, begin, end, -1.0, at, rising)
+            count, _ = _crossings(c, stack, begin, end, -1.0, at, rising)
             if count > 0:
                 found[job] = t + at[0]
 
