@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from rainwind.dynamics.crossings import doubled, equilibria_at, orbits_at, same_orbit, same_state
-from rainwind.dynamics.orbit_results import ORBIT_KINDS, Orbit, OrbitBranch, OrbitPoint
-from rainwind.dynamics.results import KINDS, Branch, Ended, Equilibrium, SpecialPoint
+from rainwind.dynamics.orbit_results import Orbit, OrbitBranch, OrbitPoint
+from rainwind.dynamics.results import Branch, Ended, Equilibrium, SpecialPoint
 from rainwind.dynamics.system import System, number
 from rainwind.errors import InputError
 from rainwind.parameters import unknown_name
@@ -79,7 +79,7 @@ class Diagram:
 
     def points(self, kind: str | None = None) -> tuple[Any, ...]:
         """The special points of one kind, or all, of all branches: each once, by rising parameter."""
-        known = tuple(dict.fromkeys((*KINDS, *ORBIT_KINDS)))
+        known = tuple(dict.fromkeys((*Branch.kinds, *OrbitBranch.kinds)))
         if kind is not None and kind not in known:
             raise unknown_name(kind, known, "kind of special point")
         found: list[Any] = []

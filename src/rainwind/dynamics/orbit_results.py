@@ -1,7 +1,7 @@
 """Results about periodic orbits: one orbit, a labelled one, and branches and curves of them."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rainwind.dynamics.collocation import Grid
 from rainwind.dynamics.orbit_trust import trivial_error
-from rainwind.dynamics.results import Ended, SpecialPoint, Unexplained, end_in_words, pieces_between
+from rainwind.dynamics.results import Ended, Labelled, SpecialPoint, Unexplained, pieces_between
 from rainwind.errors import InputError
 from rainwind.parameters import unknown_name
 
@@ -145,7 +145,7 @@ class OrbitPoint(SpecialPoint):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class OrbitBranch:
+class OrbitBranch(Labelled):
     """Periodic orbits in one parameter, or a curve of lpc, pd or ns in two, ordered along the arclength.
 
     orbits: one a point; tangent_parameter (N, len(along)): derivative of the free parameters by arclength; special:
@@ -163,8 +163,14 @@ class OrbitBranch:
     special: tuple[SpecialPoint, ...]
     ended: tuple[Ended, Ended]
     unexplained: tuple[Unexplained, ...] = ()
-    recorded: Mapping[str, np.ndarray] | None = None
+    recorded: Mapping[str, np.ndarray] = field(default_factory=dict)
     note: str = ""
+
+    kinds = (
+        "lpc", "pd", "ns", "bp", "hopf",
+        "cpc", "ch", "gpd", "gh", "zh", "event", "r1", "r2", "r3", "r4", "foldflip", "lpns", "pdns", "nsns",
+    )  # fmt: skip
+    bad_ends = (Ended.STEP_TOO_SMALL, Ended.NOT_FINITE, Ended.TOO_MANY_POINTS, Ended.MESH_AT_LIMIT)
 
     def __len__(self) -> int:
         return len(self.orbits)
@@ -180,7 +186,7 @@ class OrbitBranch:
 
     def column(self, name: str) -> np.ndarray:
         """One value an orbit (N,): a parameter, `period`, a state's amplitude, `max`, `min` or `mean` of a state."""
-        if self.recorded and name in self.recorded:
+        if name in self.recorded:
             return self.recorded[name]
         if name in self.parameters:
             return np.array([orbit.parameters[name] for orbit in self.orbits])
@@ -195,21 +201,10 @@ class OrbitBranch:
         }
         if kind not in of or state not in self.states:
             of_states = (f"{kind} {s}".strip() for kind in of for s in self.states)
-            known = (*self.along, *_NUMBERS, *of_states, *(self.recorded or ()), *self.parameters)
+            known = (*self.along, *_NUMBERS, *of_states, *self.recorded, *self.parameters)
             raise unknown_name(name, tuple(dict.fromkeys(known)), "column")
         k = self.states.index(state)
         return np.array([of[kind](orbit, k) for orbit in self.orbits])
-
-    def points(self, kind: str | None = None) -> tuple[Any, ...]:
-        """The special points of one kind, or all, in order along the branch."""
-        if kind is not None and kind not in ORBIT_KINDS:
-            raise unknown_name(kind, ORBIT_KINDS, "kind of special point")
-        return tuple(point for point in self.special if kind in (None, point.kind))
-
-    @property
-    def parameter(self) -> np.ndarray:
-        """The first free parameter along the branch (N,)."""
-        return self.column(self.along[0])
 
     @property
     def exponents(self) -> NDArray[np.complex128]:
@@ -220,18 +215,6 @@ class OrbitBranch:
     def unstable(self) -> np.ndarray:
         """Number of multipliers outside the unit circle (N,), those that a curve holds on it not counted."""
         return np.array([_unstable(self.kind, orbit.exponents) for orbit in self.orbits])
-
-    @property
-    def stable(self) -> np.ndarray:
-        """Whether each orbit is stable (N,)."""
-        return self.unstable == 0
-
-    def at(self, name: str, value: float) -> np.ndarray:
-        """Arclengths at which a column passes `value`, by linear interpolation between points."""
-        column = self.column(name) - value
-        hits = np.flatnonzero(np.sign(column[:-1]) * np.sign(column[1:]) < 0)
-        t = column[hits] / (column[hits] - column[hits + 1])
-        return self.arclength[hits] + t * np.diff(self.arclength)[hits]
 
     def pieces(self, *names: str) -> Iterator[tuple[int, tuple[np.ndarray, ...]]]:
         """Pieces of constant stability for drawing: (number unstable, columns), cut exactly at the labels."""
@@ -244,21 +227,8 @@ class OrbitBranch:
 
     def audit(self) -> list[str]:
         """Everything about this branch that a careful reader should know before trusting it."""
-        faults = [
-            f"{p}: certificate does not hold: {p.certificate}"
-            for p in self.special
-            if not p.certificate.holds
-        ]
-        faults += [str(gap) for gap in self.unexplained]
-        faults += [
-            _doubtful(self, reason) for reason in dict.fromkeys(o.doubt for o in self.orbits) if reason
-        ]
-        places = [[self[k].parameters[n] for n in self.along] if len(self) else [] for k in (0, -1)]
-        return faults + [
-            end_in_words(end, self.along, at)
-            for end, at in zip(self.ended, places, strict=True)
-            if end in _BAD_ENDS
-        ]
+        doubts = dict.fromkeys(orbit.doubt for orbit in self.orbits if orbit.doubt)
+        return [*super().audit(), *(_doubtful(self, reason) for reason in doubts)]
 
     def __repr__(self) -> str:
         ranges = ", ".join(
@@ -305,10 +275,3 @@ def _value(point: OrbitPoint, name: str) -> float:
 
 
 _NUMBERS = ("period", "mesh_error", "liouville", "residual", "unstable", "trivial_error")
-ORBIT_KINDS = (
-    "lpc", "pd", "ns", "bp", "hopf",
-    "cpc", "ch", "gpd", "gh", "zh", "event", "r1", "r2", "r3", "r4", "foldflip", "lpns", "pdns", "nsns",
-)  # fmt: skip
-_BAD_ENDS = (
-    Ended.STEP_TOO_SMALL, Ended.NOT_FINITE, Ended.TOO_MANY_POINTS, Ended.MESH_AT_LIMIT,
-)  # fmt: skip

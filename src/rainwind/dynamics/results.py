@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any, overload
+from typing import Any, ClassVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -172,8 +172,63 @@ class Unexplained:
         return f"between {where}: {what} and no label explains it"
 
 
+class Labelled:
+    """What branches and curves of equilibria and of orbits have in common: labels along an arclength, ends, gaps."""
+
+    along: tuple[str, ...]
+    arclength: np.ndarray
+    special: tuple[Any, ...]
+    ended: tuple[Ended, Ended]
+    unexplained: tuple[Unexplained, ...]
+    unstable: Any  # (N,), how many eigenvalues or multipliers are
+    kinds: ClassVar[tuple[str, ...]]  # of special points
+    bad_ends: ClassVar[tuple[Ended, ...]]  # that a reader should know of
+
+    def __getitem__(self, key: Any) -> Any:
+        raise NotImplementedError
+
+    def points(self, kind: str | None = None) -> tuple[Any, ...]:
+        """The special points of one kind, or all, in order along the branch."""
+        if kind is not None and kind not in self.kinds:
+            raise unknown_name(kind, self.kinds, "kind of special point")
+        return tuple(point for point in self.special if kind in (None, point.kind))
+
+    @property
+    def parameter(self) -> np.ndarray:
+        """The first free parameter along the branch (N,)."""
+        return self[self.along[0]]
+
+    @property
+    def stable(self) -> np.ndarray:
+        """Whether each point is stable (N,)."""
+        return self.unstable == 0
+
+    def at(self, name: str, value: float) -> np.ndarray:
+        """Arclengths at which a column passes `value`, by linear interpolation between points."""
+        column = self[name] - value
+        hits = np.flatnonzero(np.sign(column[:-1]) * np.sign(column[1:]) < 0)
+        t = column[hits] / (column[hits] - column[hits + 1])
+        return self.arclength[hits] + t * np.diff(self.arclength)[hits]
+
+    def audit(self) -> list[str]:
+        """Everything about this branch that a careful reader should know before trusting it."""
+        faults = [
+            f"{p}: certificate does not hold: {p.certificate}"
+            for p in self.special
+            if not p.certificate.holds
+        ]
+        faults += [str(gap) for gap in self.unexplained]
+        return faults + [
+            end_in_words(
+                end, self.along, [self[name][k] for name in self.along] if self.arclength.size else []
+            )
+            for end, k in zip(self.ended, (0, -1), strict=True)
+            if end in self.bad_ends
+        ]
+
+
 @dataclass(frozen=True, eq=False, repr=False)
-class Branch:
+class Branch(Labelled):
     """Equilibria in one parameter, or points of a curve in two, ordered along the arclength.
 
     along: names of the free parameters (1 or 2); state (N, n); free (N, len(along)); tangent (N, n + len(along)):
@@ -200,18 +255,15 @@ class Branch:
     note: str = ""
     recorded: Mapping[str, np.ndarray] = field(default_factory=dict)
 
+    kinds = ("fold", "hopf", "bp", "cusp", "bt", "gh", "zh", "hh", "event")
+    bad_ends = (Ended.STEP_TOO_SMALL, Ended.NOT_FINITE, Ended.TOO_MANY_POINTS)
+
     def __repr__(self) -> str:
         ranges = ", ".join(
             f"{name} = {self[name].min():.6g} ... {self[name].max():.6g}" for name in self.along
         )
         labels = "; ".join(map(str, self.special)) or "none"
         return f"<{self.kind} in {ranges}: {len(self)} points; special points: {labels}>"
-
-    def points(self, kind: str | None = None) -> tuple[SpecialPoint, ...]:
-        """The special points of one kind, or all, in order along the branch."""
-        if kind is not None and kind not in KINDS:
-            raise unknown_name(kind, KINDS, "kind of special point")
-        return tuple(point for point in self.special if kind in (None, point.kind))
 
     def __len__(self) -> int:
         return len(self.arclength)
@@ -228,16 +280,6 @@ class Branch:
         known = (*self.along, *self.states, *self.recorded, *self.parameters)
         raise unknown_name(name, tuple(dict.fromkeys(known)), "column")
 
-    @property
-    def parameter(self) -> np.ndarray:
-        """The first free parameter along the branch (N,)."""
-        return self.free[:, 0]
-
-    @property
-    def stable(self) -> np.ndarray:
-        """Whether each point is stable (N,)."""
-        return self.unstable == 0
-
     def pieces(self, *names: str) -> Iterator[tuple[int, tuple[np.ndarray, ...]]]:
         """Pieces of constant stability for drawing: (number unstable, columns), cut exactly at the labels."""
         cuts = [p for p in self.special if p.kind in ("fold", "hopf", "bp", "zh", "hh", "bt")]
@@ -246,13 +288,6 @@ class Branch:
         yield from pieces_between(
             self.arclength, self.unstable, [p.arclength for p in cuts], at_cuts, columns
         )
-
-    def at(self, name: str, value: float) -> np.ndarray:
-        """Arclengths at which a column passes `value`, by linear interpolation between points."""
-        column = self[name] - value
-        hits = np.flatnonzero(np.sign(column[:-1]) * np.sign(column[1:]) < 0)
-        t = column[hits] / (column[hits] - column[hits + 1])
-        return self.arclength[hits] + t * np.diff(self.arclength)[hits]
 
     def extremum(self, name: str, *, largest: bool = True) -> float:
         """The largest (or smallest) value of a column, on the cubics through the points and their tangents."""
@@ -272,21 +307,6 @@ class Branch:
             inside = turns.real[(turns.imag == 0) & (turns.real > 0) & (turns.real < 1)]
             best = max([best, *np.polyval(cubic, inside).tolist()])
         return sign * best
-
-    def audit(self) -> list[str]:
-        """Everything about this branch that a careful reader should know before trusting it."""
-        faults = [
-            f"{p}: certificate does not hold: {p.certificate}"
-            for p in self.special
-            if not p.certificate.holds
-        ]
-        faults += [str(gap) for gap in self.unexplained]
-        places = self.free[[0, -1]] if len(self) else [(), ()]
-        return faults + [
-            end_in_words(end, self.along, at)
-            for end, at in zip(self.ended, places, strict=True)
-            if end in _BAD_ENDS
-        ]
 
 
 def end_in_words(end: Ended, along: Sequence[str], at: Sequence[float]) -> str:
@@ -315,10 +335,6 @@ def pieces_between(
             found.append(np.concatenate([before, column[inside], after]))
         # the count in the middle: points beside a label may sit on the axis to rounding
         yield int(np.median(unstable[inside])), tuple(found)
-
-
-KINDS = ("fold", "hopf", "bp", "cusp", "bt", "gh", "zh", "hh", "event")
-_BAD_ENDS = (Ended.STEP_TOO_SMALL, Ended.NOT_FINITE, Ended.TOO_MANY_POINTS)
 
 
 def kind_of_equilibrium(eigenvalues: NDArray[np.complex128]) -> str:
