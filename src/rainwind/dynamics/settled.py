@@ -10,7 +10,6 @@ import numpy as np
 from rainwind.dynamics.pieces import Pieces
 from rainwind.dynamics.turning_points import extremes_of, zeros_of
 
-_zeros = zeros_of  # as extremes.py knows it
 _TURN = 2.0 * np.pi
 _RETURNS = 400  # looked at, counted from the end
 _LOOPS = 10  # periods before the end from which the speed of settling is judged
