@@ -310,8 +310,8 @@ def test_the_case_is_not_overwritten_by_the_output(
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["figure", "8"], "later version"),
-        (["figure", "3"], "choose one of 4, 5, 6, 7, 9, 10, 11"),
+        (["figure", "12"], "figure 12 is no result"),
+        (["figure", "3"], "choose one of 4, 5, 6, 7, 8, 9, 10, 11"),
         (["figure", "nine"], "figure nine is no number; choose one of 4, 5"),
         (["figure", "9" * 5000], "choose one of 4, 5"),
         (["figure"], "Missing argument"),

@@ -24,6 +24,7 @@ from rainwind.cli_output import (
     progress_bar,
     range_remark,
 )
+from rainwind.cli_time import add_commands
 from rainwind.cli_work import (
     raise_if_asked,
     run_aside,
@@ -39,11 +40,11 @@ FIGURES = {
     5: "figure_05_equilibria",
     6: "figure_06_stability",
     7: "figure_07_limit_cycles",
+    8: "figure_08_transient",
     9: "figure_09_stability_diagram",
     10: "figure_10_rivulet_and_frequency",
     11: "figure_11_mass_coefficients_dof",
 }
-_LATER = {8: "needs limit cycles in the time domain"}
 
 
 class Exit(int, Enum):
@@ -162,7 +163,7 @@ def paper(
 
 @app.command()
 def figure(
-    number: Annotated[str, typer.Argument(metavar="N", help="4, 5, 6, 7, 9, 10 or 11.")],
+    number: Annotated[str, typer.Argument(metavar="N", help="4, 5, 6, 7, 8, 9, 10 or 11.")],
     case: Case = None,
     out: Annotated[
         Path | None, typer.Option("--out", help="Image file (.png, .svg, .pdf); by default figure_NN.png.")
@@ -307,8 +308,6 @@ def _figure_number(text: str) -> int:
     if number in FIGURES:
         return number
     reason = "is no result" if text.isdecimal() else "is no number"
-    if number in _LATER:
-        reason = f"{_LATER[number]} and comes with a later version"
     raise InputError(f"figure {text} {reason}; choose one of {known}")
 
 
@@ -356,6 +355,8 @@ def _draw(study: str, model: Any, out: Path) -> None:
         typer.echo(sentence)
     typer.echo(f"written to {out}")
 
+
+add_commands(app, _model, _not_the_case)
 
 if __name__ == "__main__":
     main()

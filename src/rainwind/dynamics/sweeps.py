@@ -24,6 +24,9 @@ _BINS = 10  # pieces of a block, over each of which extremes are taken
 _BIG = (
     0.5  # of a state's scale: between neighbouring values of the parameter this is a jump, or too long a step
 )
+_CALM = 2  # blocks in a row in which little is still to come
+_NOTHING = 1e-7  # of a scale: change for rounding and the integrator
+_PATIENCE = 10.0  # times `longest`: at the end of a step before what looks like a jump
 _GROWS = 3  # steps without trouble after which the step is doubled
 
 
@@ -117,10 +120,11 @@ def sweep(
 
     start: a state at until[0]. scales: what counts as large for the states that are watched. push: added to states at
     every new value, so that nothing stays on an unstable state for want of a disturbance; small beside the scales. At
-    each value blocks of `hold` seconds follow each other until the extremes over a tenth of a block change by less than
-    `accuracy` times the scales within a block, or `longest` seconds are over. Where extremes change by more than half a
-    scale from one value to the next, the step is halved and tried again from the state before; what is left at the
-    `finest` step is a jump. hold: many periods. progress(value) is called often.
+    each value blocks of `hold` seconds, many periods, follow each other until the extremes over a tenth of a block
+    change so little, and less each time, that less than `accuracy` times the scales is still to come, or `longest`
+    seconds are over (before a jump ten times that). Where extremes change by more than half a scale from one value to
+    the next, the step is halved and tried again from the state before; what is left at the `finest` step is a jump.
+    progress(value) is called often.
     A run that ends early, or Ctrl-C, gives what there is up to then: `ended` says why. Raises InputError.
     """
     system = as_system(model)
@@ -158,11 +162,16 @@ def _walk(holder: "_Holder", x: np.ndarray, first: float, last: float, step: flo
         while True:
             level = holder.settle(value, x)
             before = levels[-1] if levels else None
-            far = before is not None and (level is None or holder.apart(before, level) > _BIG)
-            # what had not settled before may go anywhere now
-            far = far and before is not None and (before.steady or level is None)
+            while before is not None and not before.steady and holder.far(before, level):
+                if before.held > holder.longest:
+                    break
+                # it had not settled, so this is no jump yet: wait there for as long as it takes
+                levels.pop()
+                value, level = before.value, holder.settle(before.value, before.state, patient=True)
+                before = levels[-1] if levels else None
+            far = before is not None and holder.far(before, level)
             if far and before is not None and abs(value - before.value) > finest * (1.0 + 1e-9):
-                h, good = max(0.5 * abs(value - before.value), finest), 0
+                h, good, x = max(0.5 * abs(value - before.value), finest), 0, before.state
                 value = before.value + sign * h
                 continue
             if far and before is not None:
@@ -207,17 +216,24 @@ class _Holder:
         self.watched = [self.system.states.index(name) for name in self.scales]
         self.sizes = np.array(list(self.scales.values()))
 
-    def apart(self, one: Level, other: Level) -> float:
-        """How far the extremes of two levels differ, in scales."""
+    def far(self, one: Level, other: Level | None) -> bool:
+        """Whether two levels are so far apart that a jump lies between them, or the step was too long."""
+        if other is None:
+            return True
         gaps = np.maximum(np.abs(one.low - other.low), np.abs(one.high - other.high))[self.watched]
-        return float(np.max(gaps / self.sizes))
+        return bool(np.any(gaps > _BIG * self.sizes))
 
-    def settle(self, value: float, x: np.ndarray) -> Level | None:
-        """The level at a value, from a state; None if a run ended early, and `note` says how."""
+    def settle(self, value: float, x: np.ndarray, *, patient: bool = False) -> Level | None:
+        """The level at a value, from a state; None if a run ended early, and `note` says how.
+
+        patient: it has been held for `longest` already, and goes on for some times that.
+        """
         at = self.system.with_parameters({self.along: value})
-        x, held = x.copy(), 0.0
+        x, held = x.copy(), self.longest if patient else 0.0
+        longest = _PATIENCE * self.longest if patient else self.longest
+        last, calm = np.inf, 0
         for name, by in self.push.items():
-            x[at.states.index(name)] += by
+            x[at.states.index(name)] += 0.0 if patient else by
         while True:
             if self.progress is not None:
                 self.progress(value)
@@ -233,7 +249,20 @@ class _Holder:
             x = run.end - turned * _TURN
             # what goes round for ever has no extremes
             low[:, turned != 0], high[:, turned != 0] = -np.pi, np.pi
-            change = np.maximum(np.ptp(low, axis=0), np.ptp(high, axis=0))[self.watched]
-            steady = bool(np.all(change <= self.accuracy * self.sizes))
-            if steady or held + self.hold > self.longest:
+            change = float(
+                np.max(np.maximum(np.ptp(low, axis=0), np.ptp(high, axis=0))[self.watched] / self.sizes)
+            )
+            calm = calm + 1 if self._is_calm(change, last) else 0
+            last, steady = change, calm >= _CALM
+            if steady or held + self.hold > longest:
                 return Level(value, x, low.min(axis=0), high.max(axis=0), held, steady)
+
+    def _is_calm(self, change: float, last: float) -> bool:
+        """Whether what is still to come, if each block changes less than the one before by the same ratio, is little.
+
+        What grows, however slowly, is not calm.
+        """
+        if change <= _NOTHING:
+            return True
+        ratio = change / last
+        return ratio < 1.0 and change * ratio / (1.0 - ratio) <= self.accuracy

@@ -30,10 +30,12 @@ STUDIES = (
     "figure_05_equilibria",
     "figure_06_stability",
     "figure_07_limit_cycles",
+    "figure_08_transient",
     "figure_09_stability_diagram",
     "figure_10_rivulet_and_frequency",
     "figure_11_mass_coefficients_dof",
     "hopf_map",
+    "wind_sweep",
 )
 FORMATS = ("png", "svg")
 _STOPPED = Outcome(note="not computed: the run was stopped before it", verdict="not_computed")
