@@ -5,7 +5,7 @@ from math import erf, exp, log, pi, sqrt
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import quad, solve_ivp
 
 import rainwind as rw
 from rainwind.dynamics.kernels import machine_code
@@ -357,3 +357,27 @@ def test_code_is_kept_for_later_processes(monkeypatch, tmp_path):
     second = TaylorEngine(system).advance([[1.0]], 1.0)
     assert_same_bits(first, second)
     assert first.states[0, 0] == pytest.approx(exp(0.123456), rel=1e-9)
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9, 1e-13])
+@pytest.mark.parametrize("k", [3, 6, 10, 14])
+def test_a_series_with_gaps(k, tolerance):
+    """x' = sin(t^k) from t = 0: the last two coefficients are zero there, and say nothing of the radius."""
+    system = System(lambda s, p: (1.0, rw.sin(s.t**k)), ("t", "x"))
+    runs = TaylorEngine(system, tolerance).advance([[0.0, 0.0]], 1.5)
+    expected = quad(lambda t: np.sin(t**k), 0.0, 1.5, epsabs=1e-14, epsrel=1e-14, limit=500)[0]
+    assert abs(runs.states[0, 1] - expected) < tolerance
+
+
+def test_a_radius_that_seems_to_grow_at_once():
+    """A force that sets in at a knot, from rest: the step before tells nothing of what comes."""
+    system = System(
+        lambda s, p: (s.v, p.force * rw.cos(3.0 * s.t) - 25.0 * s.u, 1.0), ("u", "v", "t"), {"force": 0.0}
+    )
+    drive = Pieces(np.array([0.0, 5.0, 6.0]), np.array([[[0.0]], [[1.0]]]))
+    engine = TaylorEngine(system, 1e-12, driven=("force",))
+    runs = engine.advance([[0.0, 0.0, 0.0]], 8.0, [0.0], drives=[drive])
+    # u'' + 25 u = cos 3 t from t = 5 on, at rest there
+    a = np.cos(15.0) / 16.0, -3.0 * np.sin(15.0) / 16.0
+    expected = np.cos(24.0) / 16.0 - a[0] * np.cos(15.0) - a[1] * np.sin(15.0) / 5.0
+    assert runs.states[0, 0] == pytest.approx(expected, abs=1e-11)

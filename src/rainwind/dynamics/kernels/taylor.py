@@ -91,6 +91,7 @@ def _begin(lane, job, model, jobs, drives, constants, control, lanes):
         fresh |= i < controlled and not sizes[job, i] > 0.0
     control[code.TIME, lane] = begins[job]
     control[code.TIME_LOW, lane] = 0.0
+    control[code.FREE, lane] = 0.0
     control[code.SIGN, lane] = 1.0 if ends[job] >= begins[job] else -1.0
     lanes[lane, TRAJECTORY] = job
     lanes[lane, STEPS] = 0
@@ -129,32 +130,40 @@ def _rest(lane, control, lanes):
 
 
 @compiled
+def _first_radius(lane, rows, i):
+    """A state's radius of convergence at a start, by all its terms, with gaps and zeros among the first; infinite
+    where they say nothing."""
+    radius = np.inf
+    for j in range(3, rows.shape[1]):
+        term = abs(rows[i, j, lane])
+        if term > 0.0:
+            best = 0.0
+            for lower in range(j):
+                best = max(best, (abs(rows[i, lower, lane]) / term) ** (1.0 / (j - lower)))
+            if best > 0.0:
+                radius = min(radius, best)
+    return radius
+
+
+@compiled
 def _first_sizes(lane, rows, control, states, reach):
-    """The sizes of states at the start, where one may be zero: those of the terms of its polynomial after a step."""
-    p = rows.shape[1] - 1
+    """At a start, where a state may be zero: sizes from its terms after a first step, which is chosen carefully."""
     radius = np.inf
     for i in range(states):
-        own = 0.0
-        for top in range(p - 1, p + 1):
-            last = abs(rows[i, top, lane])
-            if last > 0.0:
-                best = 0.0
-                for j in range(min(3, top)):
-                    best = max(best, (abs(rows[i, j, lane]) / last) ** (1.0 / (top - j)))
-                own = best if own == 0.0 else min(own, best)
-        if own > 0.0:
-            radius = min(radius, own)
-    h = reach * radius if radius < np.inf else 0.0
+        radius = min(radius, _first_radius(lane, rows, i))
+    # polynomials, as far as can be seen: a part of the time to go
+    h = reach * radius if radius < np.inf else abs(control[code.STOP, lane] - control[code.TIME, lane]) / 16.0
+    control[code.FREE, lane] = 0.5 * h
     for i in range(states):
         size, power = abs(rows[i, 0, lane]), 1.0
-        for j in range(1, p + 1):
+        for j in range(1, rows.shape[1]):
             power *= h
             term = abs(rows[i, j, lane]) * power
             if np.isfinite(term):
                 size = max(size, term)
-        own_row = _own(i)
-        control[own_row + code.SIZE, lane] = max(size, control[own_row + code.SIZE, lane])
-        control[own_row + code.LARGEST, lane] = max(size, control[own_row + code.LARGEST, lane])
+        own = _own(i)
+        control[own + code.SIZE, lane] = max(size, control[own + code.SIZE, lane])
+        control[own + code.LARGEST, lane] = max(size, control[own + code.LARGEST, lane])
 
 
 @compiled

@@ -8,6 +8,7 @@ derivative x' in a recurrence is a row of its own, j x_j.
 Rows, orders, lanes: rows[row][order][lane]. The first rows are the states; `Layout` says which others are where.
 """
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -23,8 +24,8 @@ LARGEST_STATE = 1e100  # beyond it a trajectory has run away
 GROUP = 12  # inner sums formed in one loop: so many that their operands share loads and the sums fit into registers
 
 # rows of control: one vector each, then four for each state, then four for each driven input
-TIME, TIME_LOW, STOP, SIGN, STEP, REACH, FLOOR, KNOT = range(8)
-FIRST_OF_STATES = 8  # next state, what its rounding lost, its size, its largest so far
+TIME, TIME_LOW, STOP, SIGN, STEP, FREE, REACH, FLOOR, KNOT = range(9)
+FIRST_OF_STATES = 9  # next state, what its rounding lost, its size, its largest so far
 OF_A_STATE = 4
 NEXT, LOW, SIZE, LARGEST = range(OF_A_STATE)
 OF_A_DRIVEN = 4  # coefficients from the last knot on
@@ -421,17 +422,25 @@ class TaylorCode:
         w = self.w = Writer("step", self.lanes, ("rows", "constants", "control"))
         b, n, p = w.b, self.p.states, self.order
         rows, control = w.pointers["rows"], w.pointers["control"]
-        last = before = w.number(1e-300)
+        # away from a singularity the radius grows by no more than the step; gaps in a series make it look larger
+        free = self._control(FREE)
+        most = b.select(b.fcmp_ordered(">", free, w.number(0.0)), b.fadd(free, free), w.number(math.inf))
         floor = self._control(FLOOR)
+        sizes = []
         for i in range(self.p.controlled):
-            own, row = FIRST_OF_STATES + OF_A_STATE * i, self._row(("c", i))
-            now = w.absolute(w.load(rows, row))
+            own = FIRST_OF_STATES + OF_A_STATE * i
+            now = w.absolute(w.load(rows, self._row(("c", i))))
             largest = w.larger(now, self._control(own + LARGEST))
             size = w.larger(
                 w.larger(now, b.fmul(w.number(FORGET), self._control(own + SIZE))), b.fmul(floor, largest)
             )
             w.store(largest, control, own + LARGEST)
-            w.store(size, control, own + SIZE)
+            sizes.append(size)
+        sizes = self._sizes_of_zeros(sizes, w.smaller(most, w.number(1.0)))
+        last = before = w.number(1e-300)
+        for i, size in enumerate(sizes):
+            row = self._row(("c", i))
+            w.store(size, control, FIRST_OF_STATES + OF_A_STATE * i + SIZE)
             share = b.fdiv(w.number(1.0), w.larger(size, w.number(1e-280)))
             last = w.larger(b.fmul(w.absolute(w.load(rows, row + p)), share), last)
             before = w.larger(b.fmul(w.absolute(w.load(rows, row + p - 1)), share), before)
@@ -441,6 +450,8 @@ class TaylorCode:
             vector_math.rough_log2(w, w.smaller(before, huge)), w.number(-1.0 / max(p - 1, 1))
         )
         h = vector_math.rough_exp2(w, b.fadd(w.smaller(log_last, log_before), self._control(REACH)))
+        h = w.smaller(h, most)
+        w.store(h, control, FREE)
         time, low, stop, sign = (self._control(row) for row in (TIME, TIME_LOW, STOP, SIGN))
         left = b.fsub(b.fsub(stop, time), low)
         # a last step that is longer by a millionth does no harm, a tiny one after it would be for nothing
@@ -476,6 +487,31 @@ class TaylorCode:
         bad = w.mask(b.and_(runs, b.not_(fine)))
         b.ret(b.or_(arrived, b.shl(bad, INT(32))))
         return w
+
+    def _sizes_of_zeros(self, sizes: list[Any], h: Any) -> list[Any]:
+        """Sizes as they are; of states that have been zero, the size of their terms after a time h."""
+        w, b, rows = self.w, self.w.b, self.w.pointers["rows"]
+        some, after, before = b.append_basic_block("zeros"), b.append_basic_block("sizes"), b.block
+        smallest = sizes[0]
+        for size in sizes[1:]:
+            smallest = w.smaller(smallest, size)
+        zeros = w.mask(b.fcmp_ordered("==", smallest, w.number(0.0)))
+        b.cbranch(b.icmp_signed("!=", zeros, INT(0)), some, after)
+        b.position_at_end(some)
+        found = []
+        for i, size in enumerate(sizes):
+            row = self._row(("c", i))
+            terms = w.number(0.0)
+            for j in range(self.order, 0, -1):
+                terms = b.fmul(h, b.fadd(terms, w.absolute(w.load(rows, row + j))))
+            found.append(b.select(b.fcmp_ordered("==", size, w.number(0.0)), terms, size))
+        b.branch(after)
+        b.position_at_end(after)
+        phis = [b.phi(w.vector) for _ in sizes]
+        for phi, size, other in zip(phis, sizes, found, strict=True):
+            phi.add_incoming(size, before)
+            phi.add_incoming(other, some)
+        return phis
 
     def _exact_sum(self, x: Any, y: Any) -> tuple[Any, Any]:
         """x + y and what is lost by rounding (Knuth)."""
