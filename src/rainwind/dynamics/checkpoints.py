@@ -89,7 +89,8 @@ def _rows(path: Path) -> tuple[int, int]:
 
 def _loaded(path: Path) -> Done | None:
     try:
-        with np.load(path, allow_pickle=False) as file:
+        # a file of our own, because NumPy leaves a damaged one open
+        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
             arrays = {key: file[key] for key in file.files}
         own = {key: arrays[f"own {key}"] for key in _FACTS}
     except (OSError, ValueError, KeyError, BadZipFile, EOFError):

@@ -260,7 +260,9 @@ def _about(plan: Plan, starts: np.ndarray, values: np.ndarray) -> dict[str, str]
         "model": tape_key(plan.full)[:16],
         "parameters": digest(plan.base, np.array(plan.columns), values),
         "starts": digest(starts),
-        "wind": digest(plan.drive.numbers, plan.drive.pieces.times, plan.drive.pieces.coefficients),
+        "wind": digest(plan.drive.numbers, plan.drive.pieces.times, plan.drive.pieces.coefficients)
+        if plan.drive.names
+        else "steady",
         "duration": repr(plan.view.duration),
         "tolerance": repr(plan.tolerance),
         "most_steps": repr(plan.most_steps),
