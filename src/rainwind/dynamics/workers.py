@@ -17,6 +17,7 @@ from rainwind.errors import ComputationError, InputError
 _STACK = 64 * 2**20  # of a thread: half a megabyte, as some systems give, is too little for compiling
 _TRIES = 3  # of a chunk whose process dies
 _WAIT = 0.1
+_MODULE = "rainwind.dynamics.worker_process"
 
 
 class Workers(Protocol):
@@ -197,7 +198,7 @@ class _Process:
 
     def __init__(self, plan: Plan, stop: threading.Event) -> None:
         self._stop = stop
-        command = [sys.executable, "-m", "rainwind.dynamics.worker_process"]
+        command = [sys.executable, "-m", _MODULE]
         path = os.pathsep.join(p for p in sys.path if p)
         self._process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env={**os.environ, "PYTHONPATH": path},
