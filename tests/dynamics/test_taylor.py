@@ -381,3 +381,22 @@ def test_a_radius_that_seems_to_grow_at_once():
     a = np.cos(15.0) / 16.0, -3.0 * np.sin(15.0) / 16.0
     expected = np.cos(24.0) / 16.0 - a[0] * np.cos(15.0) - a[1] * np.sin(15.0) / 5.0
     assert runs.states[0, 0] == pytest.approx(expected, abs=1e-11)
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-12, 1e-15])
+def test_what_has_decayed_costs_no_more(tolerance):
+    """One state is gone within a second; stability limits the steps, and nothing makes them shrink."""
+    system = System(lambda s, p: (-50.0 * s.x, rw.cos(s.t), 1.0), ("x", "y", "t"))
+    runs = TaylorEngine(system, tolerance).advance([[1.0, 0.0, 0.0]] * 2, [50.0, 100.0])
+    assert abs(runs.states[1, 0]) < 1e-14
+    assert abs(runs.states[1, 1] - np.sin(100.0)) < max(tolerance, 1e-14)
+    assert runs.steps[1] < 2.1 * runs.steps[0] < 2100
+
+
+def test_decay_for_ever():
+    """e^-t for 1e5 s: what is left is the error of steps, a share of a size that shrinks by 1/64 in each."""
+    system = System(lambda s, p: (-s.x,), ("x",))
+    runs = TaylorEngine(system).advance([[1.0]] * 2, [300.0, 1e5])
+    assert runs.ended == [TaylorEnded.ARRIVED] * 2
+    assert abs(runs.states[0, 0]) < 1e-9
+    assert abs(runs.states[1, 0]) < 1e-200

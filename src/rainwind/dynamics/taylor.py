@@ -261,7 +261,6 @@ class TaylorEngine:
         control = _aligned(layout.controls, w)
         # the step is 2^REACH of the radius: what is cut off is (h / radius)^(order + 1) of a state's size
         control[code.REACH] = log2(SAFETY * self.tolerance) / (self.order + 1)
-        control[code.FLOOR] = min(1.0, 4.0 * np.finfo(float).eps / self.tolerance)
         lanes = np.zeros((w, 4), dtype=np.int64)
         lanes[:, kernel.TRAJECTORY] = -1
         return rows, constants, control, lanes

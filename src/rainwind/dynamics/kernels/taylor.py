@@ -87,7 +87,6 @@ def _begin(lane, job, model, jobs, drives, constants, control, lanes):
         control[own + code.NEXT, lane] = starts[job, i]
         control[own + code.LOW, lane] = 0.0
         control[own + code.SIZE, lane] = sizes[job, i]
-        control[own + code.LARGEST, lane] = max(sizes[job, i], abs(starts[job, i]))
         fresh |= i < controlled and not sizes[job, i] > 0.0
     control[code.TIME, lane] = begins[job]
     control[code.TIME_LOW, lane] = 0.0
@@ -163,7 +162,6 @@ def _first_sizes(lane, rows, control, states, reach):
                 size = max(size, term)
         own = _own(i)
         control[own + code.SIZE, lane] = max(size, control[own + code.SIZE, lane])
-        control[own + code.LARGEST, lane] = max(size, control[own + code.LARGEST, lane])
 
 
 @compiled

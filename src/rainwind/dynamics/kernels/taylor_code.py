@@ -23,11 +23,11 @@ FORGET = 1.0 - 1.0 / 64.0  # what is left after a step of the size that a state 
 LARGEST_STATE = 1e100  # beyond it a trajectory has run away
 GROUP = 12  # inner sums formed in one loop: so many that their operands share loads and the sums fit into registers
 
-# rows of control: one vector each, then four for each state, then four for each driven input
-TIME, TIME_LOW, STOP, SIGN, STEP, FREE, REACH, FLOOR, KNOT = range(9)
-FIRST_OF_STATES = 9  # next state, what its rounding lost, its size, its largest so far
-OF_A_STATE = 4
-NEXT, LOW, SIZE, LARGEST = range(OF_A_STATE)
+# rows of control: one vector each, then three for each state, then four for each driven input
+TIME, TIME_LOW, STOP, SIGN, STEP, FREE, REACH, KNOT = range(8)
+FIRST_OF_STATES = 8  # next state, what its rounding lost, its size
+OF_A_STATE = 3
+NEXT, LOW, SIZE = range(OF_A_STATE)
 OF_A_DRIVEN = 4  # coefficients from the last knot on
 
 Row = tuple[
@@ -425,17 +425,11 @@ class TaylorCode:
         # away from a singularity the radius grows by no more than the step; gaps in a series make it look larger
         free = self._control(FREE)
         most = b.select(b.fcmp_ordered(">", free, w.number(0.0)), b.fadd(free, free), w.number(math.inf))
-        floor = self._control(FLOOR)
         sizes = []
         for i in range(self.p.controlled):
             own = FIRST_OF_STATES + OF_A_STATE * i
             now = w.absolute(w.load(rows, self._row(("c", i))))
-            largest = w.larger(now, self._control(own + LARGEST))
-            size = w.larger(
-                w.larger(now, b.fmul(w.number(FORGET), self._control(own + SIZE))), b.fmul(floor, largest)
-            )
-            w.store(largest, control, own + LARGEST)
-            sizes.append(size)
+            sizes.append(w.larger(now, b.fmul(w.number(FORGET), self._control(own + SIZE))))
         sizes = self._sizes_of_zeros(sizes, w.smaller(most, w.number(1.0)))
         last = before = w.number(1e-300)
         for i, size in enumerate(sizes):
