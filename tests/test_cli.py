@@ -385,7 +385,7 @@ def test_the_program_itself(tmp_path: Path):
     assert (bad.returncode, bad.stdout) == (2, "")
     assert bad.stderr.startswith("rainwind: ")
     assert "Traceback" not in bad.stderr
-    assert program("figure", "8", cwd=tmp_path).returncode == 2
+    assert program("figure", "12", cwd=tmp_path).returncode == 2
     assert program("nonsense", cwd=tmp_path).returncode == 2
     assert "Traceback" in program("--debug", "check", tmp_path, cwd=tmp_path).stderr
 

@@ -130,7 +130,7 @@ def add_commands(
                 bar.update(task, completed=100.0 * done, total=100.0, description=what)
                 raise_if_asked()
 
-            found = study.compute(model, speeds=window, step=longest, progress=progress)
+            found = study.compute(model, speeds=window, step=longest, told=progress)
         if not any(one.levels for one in found.sweeps):
             raise KeyboardInterrupt("stopped before anything was found: no picture is written")
         with unfinished(out) as part:

@@ -163,7 +163,7 @@ class _Drawing:
         share = float(s.wind[k] / s.wind.max())
         self.arrow.set_positions((self.left, self.height), (self.left + self.long * share, self.height))
         self.speed.set_text(f"{s.wind[k]:.1f} m/s")
-        turns = np.degrees((phi + np.pi) % (2.0 * np.pi) - np.pi)
+        turns = (np.degrees(phi) + 90.0) % 360.0 - 90.0
         faster = f", {s.pace:g} times faster" if s.pace != 1.0 else ""
         self.clock.set_text(f"$t$ = {s.times[k]:.2f} s{faster}\n" + rf"$\phi$ = {turns:.0f}°")
         return [self.cable, self.rivulet, self.mark, self.trail, self.arrow, self.speed, self.clock]

@@ -29,7 +29,7 @@ SHOWN = PARTS[:2]  # of the onset speed: 9 m/s, the paper's, and 12 m/s
 _BEFORE, _AFTER, _LOOPS = 12.0, 6.0, 4.0  # periods drawn one by one: about the fall, and of the cycle
 _POINTS = 60  # a period, in what is drawn one by one and in the tables
 _STATES = {"y": (r"$y$ (m)", 1.0), "z": (r"$z$ (m)", 1.0), "phi": (r"$\phi$ (°)", float(np.degrees(1.0)))}
-_BAND, _LEVEL = "#7FA8C9", style.GREY
+_BAND, _LEVEL = "#A9C5DA", "#4D4D4D"
 _UNITS = {"y": "m", "phi": "rad", "z": "m"}
 _MEANING = {"y": "cross-wind displacement", "phi": "rivulet angle", "z": "in-wind displacement"}
 
@@ -154,7 +154,7 @@ def _levels(one: Transient, axes: Axes) -> None:
     for letter, rest in one.rest.items():
         angle = float(np.degrees(rest["phi"]))
         if swing.min() - 15.0 < angle < swing.max() + 15.0:
-            axes.axhline(angle, color=_LEVEL, linewidth=0.6, zorder=0.5)
+            axes.axhline(angle, color=_LEVEL, linewidth=0.6, zorder=2.2)
             axes.annotate(
                 letter, (1.0, angle), xycoords=("axes fraction", "data"), xytext=(2, 0),
                 textcoords="offset points", fontsize=7, color=_LEVEL, va="center",
@@ -177,7 +177,7 @@ def _closely(result: Result, one: Transient, axes: Axes) -> None:
         axes.axvline(one.lost, color=style.GREEN, linewidth=0.8)
         _levels(one, axes)
         return
-    axes.axhline(float(np.degrees(one.rest["D"]["phi"])), color=_LEVEL, linewidth=0.6, zorder=0.5)
+    axes.axhline(float(np.degrees(one.rest["D"]["phi"])), color=_LEVEL, linewidth=0.6)
     axes.annotate(
         "D", (1.0, float(np.degrees(one.rest["D"]["phi"]))), xycoords=("axes fraction", "data"), xytext=(2, 0),
         textcoords="offset points", fontsize=7, color=_LEVEL, va="center",

@@ -21,7 +21,7 @@ from rainwind.plotting.animation import Scene, animate, frames
 from rainwind.studies.equilibrium_map import equilibria_by_letter
 from rainwind.studies.run_words import DURATION, WindGiven, start_from_text, wind_from_text
 
-_BAND = "#7FA8C9"
+_BAND = "#A9C5DA"
 _ONE_BY_ONE = 40.0  # periods: up to this many are drawn as a line, more as a band
 _SAMPLES = 50  # a period, in lines and tables
 _FILM = 10.0  # s, of an animation where nothing else is said
@@ -121,7 +121,7 @@ def _equilibria(result: Result, axes: Axes) -> None:
     for letter, one in _letters(result).items():
         angle = float(np.degrees(one["phi"]))
         if low < angle < high:
-            axes.axhline(angle, color=style.GREY, linewidth=0.6, zorder=0.5)
+            axes.axhline(angle, color=style.BLACK, linewidth=0.5, zorder=2.5)
             axes.annotate(
                 letter, (1.0, angle), xycoords=("axes fraction", "data"), xytext=(2, 0),
                 textcoords="offset points", fontsize=7, color=style.GREY, va="center",

@@ -26,6 +26,7 @@ from rainwind.plotting.branches import draw_branch
 from rainwind.plotting.cycles import COLORS, LINES, NAMES, draw_cycles, draw_jump, legend_of
 from rainwind.studies import paper
 from rainwind.studies.cycle_map import SPEED, CycleMap, cycle_map
+from rainwind.studies.equilibrium_map import speed_window
 
 STEP, FINEST = 0.5, 0.01  # m/s
 PUSH = 1e-3  # m, of y at each step
@@ -94,8 +95,10 @@ def compute(
     told(share done, words) are called often. Ctrl-C keeps what is done.
     """
     model = model or paper.model()
-    known = cycle_map(model, speeds)
-    low, high = speeds or known.equilibria.speeds
+    usual = speed_window(model)
+    low, high = speeds or usual
+    # a narrow window has no Hopf point from which to follow the cycles in it
+    known = cycle_map(model, (min(low, usual[0]), max(high, usual[1])))
     starts = [
         (end, other, one.state if isinstance(one, Equilibrium) else one.profile[0], name)
         for end, other in ((low, high), (high, low))
