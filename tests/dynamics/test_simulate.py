@@ -387,6 +387,9 @@ def test_starts_of_many_kinds():
     more = rw.simulate(model, run, duration=1.0)
     assert more.start.tolist() == run.end.tolist()
     orbit = rw.find_orbit(model, run.end)
+    assert rw.find_orbit(model, run).period == pytest.approx(orbit.period, rel=1e-8)
+    with pytest.raises(InputError, match="give a point of this system"):
+        rw.find_orbit(oscillator(), run)
     around = rw.simulate(model, orbit, duration=orbit.period, tolerance=1e-12)
     assert around.end == pytest.approx(orbit.profile[0], abs=1e-6)
     with pytest.raises(InputError, match="give a point of this model"):

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from rainwind.dynamics.branches import check_states
 from rainwind.dynamics.collocation import Mesh
 from rainwind.dynamics.equilibria import find_equilibrium
 from rainwind.dynamics.newton import solve_equilibrium
@@ -15,6 +16,7 @@ from rainwind.dynamics.orbit_results import Orbit, OrbitPoint
 from rainwind.dynamics.results import Equilibrium
 from rainwind.dynamics.settling import STIFF, Integration, Trajectory
 from rainwind.dynamics.system import System, as_system, number
+from rainwind.dynamics.trajectory import Trajectory as Run
 from rainwind.errors import ComputationError, InputError
 
 TURNS = 2500  # after which a trajectory that has not settled is given up
@@ -38,10 +40,10 @@ def find_orbit(
     """A periodic orbit at the model's parameters, by collocation, from something near it.
 
     start: a state, by name or in order, from which the trajectory settles on a stable orbit, after `transient` at
-    least; or a state near an orbit of any stability, with a guess of the period; or a simulation (times, states), of
-    which the last period is taken; or a function t -> state with its period; or an Orbit, of other parameters. mesh:
-    to begin with; intervals are added, up to its limit, until the estimated error is below 1e-6. What goes round
-    several times within the period comes out with its least period.
+    least; or a state near an orbit of any stability, with a guess of the period; or a run of `simulate`, or (times,
+    states), of which the last period is taken; or a function t -> state with its period; or an Orbit, of other
+    parameters. mesh: to begin with; intervals are added, up to its limit, until the estimated error is below 1e-6. What
+    goes round several times within the period comes out with its least period.
     Raises InputError for bad input, and ComputationError, which says what was seen and what to do, where no orbit is
     found: at an equilibrium, on a torus or in chaos, for a trajectory that runs away or has not settled.
     """
@@ -59,6 +61,9 @@ def find_orbit(
         return _checked(system, _from_orbit(system, start, period, mesh))
     if callable(start):
         return _checked(system, _from_function(system, start, period, mesh))
+    if isinstance(start, Run):
+        check_states(system, start)
+        start = start.times, start.state
     if isinstance(start, tuple) and len(start) == 2 and np.ndim(start[0]) == 1:
         return _checked(system, _from_simulation(system, start, period, mesh))
     x = system.state(start.state if isinstance(start, Equilibrium) else start)
