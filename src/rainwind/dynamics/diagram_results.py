@@ -226,7 +226,7 @@ def drawn(
             pieces[k] = _extended(pieces[k], k, [_at_hopf(point, name) for name in names])
         for k, birth in zip((0, -1), births, strict=False):
             if birth is not None:
-                one = replace(branch, orbits=(doubled(birth.orbit),), recorded=None)
+                one = replace(branch, orbits=(doubled(birth.orbit),), recorded={})
                 pieces[k] = _extended(pieces[k], k, [float(one.column(name)[0]) for name in names])
     yield from pieces
 
