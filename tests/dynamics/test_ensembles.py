@@ -270,3 +270,17 @@ def test_parameters_that_make_no_sense_are_refused_before_any_work():
         rw.ensemble(
             rw.paper_model(coefficients="reconstructed"), varying={"rivulet.mass": [0.2, -0.1]}, duration=1.0
         )
+
+
+def test_an_ensemble_is_saved_and_loaded(tmp_path):
+    sample = rw.grid({"a": [0.5, 1.0], "k": [1.0, 2.0, 3.0]})
+    run = rw.ensemble(_pendulum(), varying=sample, duration=5.0, reduce=("extremes", "settled"))
+    rw.save(run, tmp_path / "run.nc")
+    again = rw.load(tmp_path / "run.nc")
+    _same(run, again)
+    assert repr(again) == repr(run)
+    np.testing.assert_array_equal(again.on_grid(("lowest", "a")), run.on_grid(("lowest", "a")))
+    rw.save(run, tmp_path / "run.csv")
+    head, first = (tmp_path / "run.csv").read_text().splitlines()[:2]
+    assert head.startswith("start a,k,final a,final w,end_time,ended,lowest a")
+    assert float(first.split(",")[2]) == run.final[0, 0]

@@ -50,7 +50,6 @@ def _submitted(
 ) -> Iterator[Done | None]:
     from dask.distributed import wait  # pyright: ignore[reportMissingImports]
 
-    there = client.scatter(plan, broadcast=False, hash=False)
     waiting: dict[Any, Rows] = {}
     exhausted = False
     try:
@@ -61,7 +60,7 @@ def _submitted(
                 if rows is None:
                     exhausted = True
                 else:
-                    waiting[client.submit(compute, there, rows, pure=False)] = rows
+                    waiting[client.submit(compute, plan, rows, pure=False)] = rows
             if not waiting:
                 return
             with suppress(TimeoutError):
@@ -76,6 +75,8 @@ def _submitted(
     except Exception as error:
         if type(error).__name__ in _LOST or isinstance(error, OSError):
             raise ComputationError(f"the Dask scheduler is lost: {error}") from error
+        if type(error).__name__ == "KilledWorker":
+            raise ComputationError(f"the workers of the cluster died again and again: {error}") from error
         raise
     finally:
         with suppress(Exception):

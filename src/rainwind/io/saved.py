@@ -16,6 +16,7 @@ import numpy as np
 
 from rainwind import __version__
 from rainwind.dynamics.collocation import Grid
+from rainwind.dynamics.ensemble_results import Ensemble
 from rainwind.dynamics.events import Crossings
 from rainwind.dynamics.orbit_results import Orbit, OrbitBranch, OrbitPoint
 from rainwind.dynamics.pieces import Pieces
@@ -28,10 +29,10 @@ from rainwind.io.schema import NUMBERS
 __all__ = ["load", "save", "table"]
 
 FORMAT = 1
-Result = Branch | OrbitBranch | Orbit | Equilibrium | SpecialPoint | Trajectory
+Result = Branch | OrbitBranch | Orbit | Equilibrium | SpecialPoint | Trajectory | Ensemble
 _SAVED = (
     Branch, OrbitBranch, Equilibrium, SpecialPoint, OrbitPoint, Certificate, Unexplained, Grid, Trajectory, Pieces,
-    Crossings, Excursion,
+    Crossings, Excursion, Ensemble,
 )  # fmt: skip
 _CLASSES = {kind.__name__: kind for kind in _SAVED}
 _STATE_UNITS = {"y": "m", "z": "m", "phi": "rad", "y_dot": "m/s", "z_dot": "m/s", "phi_dot": "rad/s"}
@@ -41,14 +42,15 @@ _NUMBERS = tuple(f.name for f in dataclasses.fields(Orbit) if f.name not in _NOT
 
 
 def save(result: Result, path: Path | str) -> None:
-    """Write a branch, a curve, an orbit or a trajectory to a netCDF-4 file, from which `load` gives it back complete.
+    """Write a branch, a curve, an orbit, a trajectory or an ensemble to a netCDF-4 file; `load` gives it back complete.
 
     The path ends with .nc; one that ends with .csv gets the table of its columns instead, which cannot be loaded
     again. Raises InputError for what is no result, for another ending, and where the file cannot be written.
     """
     if not isinstance(result, Result):
         raise InputError(
-            f"a branch, a curve, an orbit, a trajectory or a point can be saved; got {type(result).__name__}"
+            f"a branch, a curve, an orbit, a trajectory, an ensemble or a point can be saved; got "
+            f"{type(result).__name__}"
         )
     ending = Path(path).suffix.lower()
     if ending not in (".nc", ".csv"):
@@ -63,7 +65,7 @@ def save(result: Result, path: Path | str) -> None:
     facts = {"format": FORMAT, "result": parts.plain(result)}
     units = _units(result.states, _parameters(result))
     tables = parts.tables(units)
-    if isinstance(result, Branch | OrbitBranch | Trajectory):
+    if isinstance(result, Branch | OrbitBranch | Trajectory | Ensemble):
         tables["columns"] = table(result)  # for other programs to read: `load` does not
     tables["facts"] = Table({"json": Column([json.dumps(facts)])}, {"digest": ""})
     tables["facts"] = dataclasses.replace(
@@ -139,6 +141,17 @@ def table(result: Result) -> Table:
             label = f"state {name}" if name == "time" else name
             columns[label] = Column(result[name], units.get(name, ""))
         return Table(_escaped(columns), {"kind": "trajectory", "ended": result.ended.value})
+    if isinstance(result, Ensemble):
+        columns = {f"start {name}" if name in result.states else name: Column(v, units.get(name, ""))
+                   for name, v in result.varied.items()}  # fmt: skip
+        columns |= {f"final {name}": Column(result[name], units.get(name, "")) for name in result.states}
+        columns["end_time"] = Column(result.times, "s" if units else "")
+        columns["ended"] = Column([one.value for one in result.ended])
+        for name, array in result.values.items():
+            for k, label in enumerate(result.columns[name] or ("",)):
+                column = array if result.columns[name] is None else array[:, k]
+                columns[f"{name} {label}".strip()] = Column(column)
+        return Table(_escaped(columns), {"kind": "ensemble", "duration": result.duration})
     names = (*result.parameters, *result.states)
     values = (*result.parameters.values(), *result.state.tolist())
     return Table(_escaped({n: Column([v], units.get(n, "")) for n, v in zip(names, values, strict=True)}))
@@ -334,7 +347,7 @@ def _digest(tables: Mapping[str, Mapping[str, Any]]) -> str:
     return found.hexdigest()
 
 
-def _parameters(result: Result) -> Mapping[str, float]:
+def _parameters(result: Result) -> Mapping[str, Any]:
     return result.parameters
 
 
