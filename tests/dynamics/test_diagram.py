@@ -12,7 +12,7 @@ from rainwind.dynamics.crossings import same_orbit
 from rainwind.dynamics.diagram import angles
 from rainwind.dynamics.diagram_results import Diagram
 from rainwind.dynamics.find_orbit import find_orbit
-from rainwind.dynamics.results import Ended
+from rainwind.dynamics.results import Certificate, Ended
 from rainwind.errors import ComputationError, InputError
 from rainwind.physics import paper_model
 
@@ -216,6 +216,15 @@ def test_what_cannot_be_started_is_a_note(monkeypatch: pytest.MonkeyPatch):
     assert found.orbits == ()
     assert found.notes == ("orbits from hopf at b = 2: Newton went astray",)
     assert "note: orbits from hopf" in repr(found)
+
+
+def test_a_label_without_certificate_is_no_place_to_switch(monkeypatch: pytest.MonkeyPatch):
+    known = cycle_zoo.everything()["soft doubling"]
+    start = _orbit(known, known.start)
+    monkeypatch.setattr(Certificate, "holds", property(lambda _: False))
+    doubted = rw.diagram(known.system, known.along, until=known.until, starts=[start])
+    assert len(doubted.orbits) == 1
+    assert any("not being certain" in fault for fault in doubted.audit())
 
 
 def test_bad_input():

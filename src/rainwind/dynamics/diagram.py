@@ -192,14 +192,16 @@ class _Work:
         given = [start for start in starts or () if isinstance(start, Orbit | OrbitPoint)]
         hopf.sort(key=lambda point: point.parameter)
         queue: deque[tuple[Any, int]] = deque((start, 0) for start in (*hopf, *given))
-        passed = 0
+        passed = doubtful = 0
         while queue:
             start, level = queue.popleft()
             self.pending = 1 + len(queue)
             found = None if self.is_used(start) else self.add_orbits(start)
             self.done += 1
             for point in (*found.points("pd"), *found.points("bp")) if found else ():
-                if level < self.depth:
+                if not point.certificate.holds:
+                    doubtful += 1
+                elif level < self.depth:
                     queue.append((point, level + 1))
                 else:
                     passed += 1
@@ -207,6 +209,11 @@ class _Work:
         if passed:
             self.notes.append(
                 f"{passed} period doublings or branch points of orbits were not followed: depth = {self.depth}"
+            )
+        if doubtful:
+            self.notes.append(
+                f"{doubtful} period doublings or branch points of orbits were not followed, not being certain: "
+                "their certificates do not hold"
             )
 
     def is_used(self, start: Any) -> bool:
