@@ -10,7 +10,7 @@ import numpy as np
 from rainwind.dynamics.equilibria import continue_equilibria
 from rainwind.dynamics.orbit_results import Orbit, OrbitPoint
 from rainwind.dynamics.orbits import continue_orbits
-from rainwind.studies import paper, targets_equilibria
+from rainwind.studies import paper, targets_equilibria, targets_time
 from rainwind.studies.cycle_map import MESH, STEP, CycleMap, cycle_map
 from rainwind.studies.equilibrium_map import equilibria_by_letter
 from rainwind.studies.targets_record import Outcome, Part, Rows, close
@@ -58,7 +58,8 @@ def folds_of_cycles(model: Any) -> Outcome:
         f"a cycle is stable at {_ranges(stable)} m/s, where it ends at {_ends(known, stable)}; two are stable at "
         f"{_ranges(two) if two else 'no wind speed'}. Counted at {_list(LOW)}; {_list(MIDDLE)}; {_list(HIGH)} m/s"
     )
-    return Outcome(folds or None, "wind speeds of the folds of cycles", parts, note)
+    more, swept = targets_time.jump_parts(model)
+    return Outcome(folds or None, "wind speeds of the folds of cycles", (*parts, *more), f"{note}. {swept}")
 
 
 def direction(model: Any) -> Outcome:
@@ -94,7 +95,7 @@ def direction(model: Any) -> Outcome:
 
 
 def swing(model: Any) -> Outcome:
-    """T7: the rivulet's swing at 9 m/s; how fast things grow there. The five minutes need the time domain."""
+    """T7: the rivulet's swing at 9 m/s; how fast things grow there; whether the cycle is reached, and when."""
     known = _known(model)
     orbits = known.cycles(SWING_AT)
     if not orbits:
@@ -108,7 +109,9 @@ def swing(model: Any) -> Outcome:
         Part(f"about an angle within {limit:g} deg of 45 deg", close(middle, 45.0, limit)),
         Part("the cycle is stable", orbit.stable),
     )
-    return Outcome([half, middle], "half the swing of phi, and its middle", parts, _growth(model, orbit))
+    reached, said, rows = targets_time.time_part(model)
+    note = f"{_growth(model, orbit)}. {said}"
+    return Outcome([half, middle], "half the swing of phi, and its middle", (*parts, reached), note, rows)
 
 
 def _growth(model: Any, orbit: Orbit) -> str:
@@ -127,9 +130,7 @@ def _growth(model: Any, orbit: Orbit) -> str:
                 f" and a disturbance of it grows e-fold in {1 / rate:.0f} s, from 1 mm to 0.1 m in about "
                 f"{log(_LAST / _FIRST) / rate:.0f} s by the linear theory"
             )
-    return (
-        "; ".join(said) + ". The paper's five minutes belong to the time domain (figure 8): not computed here"
-    )
+    return "; ".join(said)
 
 
 def damping_that_stops_it(model: Any) -> Outcome:

@@ -206,7 +206,16 @@ def _jumps(known: CycleMap, one: Sweep) -> list[Jump]:
     ]
     for jump in one.jumps:
         kind, at = min(points, key=lambda point: abs(point[1] - jump.value), default=("", float("nan")))
-        after = "nowhere" if jump.after is None else _name(known, jump.after)
+        # what had not settled yet is named after what it comes to
+        later = [
+            level
+            for level in one.levels
+            if jump.after is not None
+            and abs(level.value - jump.before.value) >= (abs(jump.after.value - jump.before.value))
+            and level.steady
+            and (level.value > jump.value) == one.rising
+        ]
+        after = "nowhere" if jump.after is None else _name(known, (*later, jump.after)[0])
         width = abs(jump.value - jump.before.value)
         end = (0.0, 0.0) if jump.after is None else _sizes(known, jump.after)
         found.append(

@@ -1,0 +1,105 @@
+"""Wind sweeps of the sample case, and of a case with a fold of cycles, against AUTO-07p and continuation."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from rainwind.dynamics.sweeps import sweep
+from rainwind.physics.model import paper_model
+from rainwind.studies import paper, wind_sweep
+from rainwind.studies.cycle_map import SPEED, cycle_map
+
+approx = pytest.approx
+AUTO = json.loads((Path(__file__).parents[1] / "validation/auto/reference.json").read_text(encoding="utf-8"))
+
+
+def auto_label(name: str) -> list[float]:
+    branches = [b for b in AUTO["orbits"]["branches"] if b["damping_ratio"] == 0.002]
+    return [
+        label["speed"] for branch in branches for label in branch["labels"] if label["name"].lower() == name
+    ]
+
+
+@pytest.fixture(scope="module")
+def result():
+    return wind_sweep.compute(speeds=(10.6, 11.6))
+
+
+def test_the_falling_wind_s_jump_is_autos_neimark_sacker_point(result):
+    # AUTO-07p: 10.8525928 m/s, hard, so that the 1 mm of a step may end the vibration a step early
+    (torus,) = {round(speed, 6) for speed in auto_label("ns")}
+    (jump,) = result.jumps
+    assert not jump.rising
+    assert jump.resolution <= 0.5 * wind_sweep.FINEST * (1.0 + 1e-6)
+    assert jump.speed == approx(torus, abs=wind_sweep.FINEST)
+    assert (jump.before, jump.after, jump.kind) == ("cycle", "A", "ns")
+    assert jump.point == approx(torus, abs=1e-6)
+
+
+def test_between_jumps_it_is_the_limit_cycle_of_continuation(result):
+    checked = 0
+    for one in result.sweeps:
+        for level in one.levels:
+            if level.steady and level.amplitude[0] > 0.01:
+                stable = [orbit for orbit in result.cycles.cycles(level.value) if orbit.stable]
+                (orbit,) = stable
+                for name in ("y", "phi", "z"):
+                    i = one.states.index(name)
+                    assert level.amplitude[i] == approx(orbit.amplitude[name], rel=1e-3)
+                    if level.value > 11.0:  # farther from the torus, where 1 mm dies out sooner
+                        assert level.amplitude[i] == approx(orbit.amplitude[name], rel=1e-4)
+                checked += 1
+    assert checked > 6
+
+
+def test_hysteresis(result):
+    # below the jump only A is left, and rising wind does not bring the vibration back
+    rising = [one for one in result.sweeps if one.rising]
+    assert len(rising) == 2
+    from_a, back = rising
+    assert result.began[result.sweeps.index(from_a)] == "from A at 10.60 m/s"
+    assert np.all(from_a["y"] < 1e-4)
+    assert from_a.values[-1] == back.values[-1] == 11.6
+    assert back["y"][-1] > 0.2
+
+
+def test_a_fold_of_cycles():
+    # the cubic set at 0.1 %: at LPC 16.7305 m/s (continuation) a vibration of z ends
+    model = paper_model("reconstructed-cubic").with_parameters({"section.damping_ratio": 0.001})
+    known = cycle_map(model, paper.SPEEDS)
+    fold = max(point.parameter for point in known.points("lpc"))
+    assert fold == approx(16.7305, abs=1e-3)
+    (cycle,) = [orbit for orbit in known.cycles(16.80) if orbit.stable]
+    finest = 0.02
+    found = sweep(
+        model.with_parameters({SPEED: 16.80}), SPEED, start=cycle.profile[0], until=(16.80, 16.68), step=0.04,
+        finest=finest, scales={"y": 0.1, "z": 0.1, "phi": 0.5}, push={"y": 1e-3}, hold=60.0, longest=3000.0,
+        tolerance=1e-7,
+    )  # fmt: skip
+    (jump,) = found.jumps
+    assert jump.value == approx(fold, abs=finest)
+
+
+def test_the_picture(result, tmp_path):
+    figure = wind_sweep.draw(result, Figure())
+    assert [axes.get_title(loc="left")[:3] for axes in figure.axes] == ["(a)", "(b)", "(c)"]
+    texts = [text.get_text() for axes in figure.axes for text in axes.texts]
+    assert f"{result.jumps[0].speed:.2f} m/s\nto A" in texts
+    legend = [text.get_text() for text in figure.legends[0].texts]
+    assert {"rising wind", "falling wind", "stable", "jump"} <= set(legend)
+    wind_sweep.save(result, tmp_path / "sweep.svg")
+    assert (tmp_path / "sweep.svg").stat().st_size > 10_000
+
+
+def test_tables_and_sentences(result):
+    tables = wind_sweep.tables(result)
+    assert list(tables["jumps"].columns["direction"].values) == ["down"]
+    assert len(tables) == len(result.sweeps) + 1
+    said = "\n".join(wind_sweep.summary(result))
+    assert "Rising wind from A at 10.60 m/s: no jump; at 11.60 m/s it is at rest at A." in said
+    assert (
+        "it jumps from a vibration to A; the nearest point of the limit cycles is the Neimark–Sacker" in said
+    )
