@@ -22,7 +22,7 @@ from rainwind.dynamics.trajectory import RunEnded
 
 ENDED = tuple(RunEnded)
 NOT_DONE = -1
-PAUSE = 16_384  # Taylor steps of a trajectory before the stiff method is tried on it; then twice as many, and so on
+PAUSE = 8192  # Taylor steps of a trajectory, after each of which the stiff method is tried on it
 _BLOCK = 64
 _NODES = 8  # degree of the polynomials for observables along steps of the stiff method
 _GREW = 1e6
@@ -129,11 +129,11 @@ class _Work:
 
     def _until(self, k: int, left: np.ndarray) -> np.ndarray | None:
         """Some trajectories to a stop; those that go on from there, None where `stopped` said so."""
-        plan, stop, pause, arrived = self.plan, self.plan.stops[k], PAUSE, []
+        plan, stop, arrived = self.plan, self.plan.stops[k], []
         last = k == len(plan.stops) - 1
         while left.size:
             before, since = self.t[left], self.steps[left, 0]
-            statuses = self._lanes(left, stop, min(pause, plan.most_steps))
+            statuses = self._lanes(left, stop, min(PAUSE, plan.most_steps))
             if statuses is None:
                 return None
             again = []
@@ -154,7 +154,6 @@ class _Work:
                 elif not self._alone(job, k):
                     return None
             left = np.array(again, dtype=np.int64)
-            pause *= 2
         self._mark(stop, arrived)
         return np.array(sorted(arrived), dtype=np.int64)
 
@@ -178,11 +177,13 @@ class _Work:
         """Give a disturbance the length 1, and remember by how much it had grown."""
         w = x[self.plan.width :]
         length = float(np.abs(w).max())
-        length *= float(np.sqrt(np.sum((w / length) ** 2)))
-        self.growth[job] += np.log(length)
-        if length < _LOST * self.plan.tolerance:
+        if length > _LOST * self.plan.tolerance:
+            length *= float(np.sqrt(np.sum((w / length) ** 2)))
+            self.growth[job] += np.log(length)
+            w /= length
+        else:  # what is left is rounding
             self.growth[job] = np.nan
-        w /= length
+            w[:] = 1.0 / np.sqrt(self.plan.width)
         sizes[self.plan.width :] = 0.0  # to be found anew
 
     def _shortened(self, job: int) -> bool:

@@ -152,7 +152,7 @@ def _starts(system: System, start: Any, sample: Sample | None) -> tuple[np.ndarr
     for name, values in (sample.values if sample else {}).items():
         if name in system.states:
             starts[:, system.states.index(name)] = values
-    if sample is None and len(starts) == 1 and array is None:
+    if sample is None and (array is None or array.ndim == 1):
         raise InputError("nothing varies: give varying={name: values}, or start of shape (N, n)")
     return starts, sample
 
