@@ -1,4 +1,4 @@
-"""Wind sweeps of the sample case, and of a case with a fold of cycles, against AUTO-07p and continuation."""
+"""Wind sweeps of the sample case against AUTO-07p and continuation; a fold of cycles: tests/dynamics/test_sweeps.py."""
 
 import json
 from pathlib import Path
@@ -7,10 +7,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from rainwind.dynamics.sweeps import sweep
-from rainwind.physics.model import paper_model
-from rainwind.studies import paper, wind_sweep
-from rainwind.studies.cycle_map import SPEED, cycle_map
+from rainwind.studies import wind_sweep
 
 approx = pytest.approx
 AUTO = json.loads((Path(__file__).parents[1] / "validation/auto/reference.json").read_text(encoding="utf-8"))
@@ -64,23 +61,6 @@ def test_hysteresis(result):
     assert np.all(from_a["y"] < 1e-4)
     assert from_a.values[-1] == back.values[-1] == 11.6
     assert back["y"][-1] > 0.2
-
-
-def test_a_fold_of_cycles():
-    # the cubic set at 0.1 %: at LPC 16.7305 m/s (continuation) a vibration of z ends
-    model = paper_model("reconstructed-cubic").with_parameters({"section.damping_ratio": 0.001})
-    known = cycle_map(model, paper.SPEEDS)
-    fold = max(point.parameter for point in known.points("lpc"))
-    assert fold == approx(16.7305, abs=1e-3)
-    (cycle,) = [orbit for orbit in known.cycles(16.80) if orbit.stable]
-    finest = 0.02
-    found = sweep(
-        model.with_parameters({SPEED: 16.80}), SPEED, start=cycle.profile[0], until=(16.80, 16.68), step=0.04,
-        finest=finest, scales={"y": 0.1, "z": 0.1, "phi": 0.5}, push={"y": 1e-3}, hold=60.0, longest=3000.0,
-        tolerance=1e-7,
-    )  # fmt: skip
-    (jump,) = found.jumps
-    assert jump.value == approx(fold, abs=finest)
 
 
 def test_the_picture(result, tmp_path):
