@@ -15,7 +15,7 @@ FLOORS = {
     "io": 3, "plotting": 3,
     "studies": 4,
     "cli_output": 4, "cli_work": 4,  # what the floor above prints and how it waits; they know no study
-    "cli_time": 5,  # commands that cli adds to its program
+    "cli_time": 5, "cli_maps": 5,  # commands that cli adds to its program
     "cli": 6, "app": 6, "__main__": 7,
 }  # fmt: skip
 FORBIDDEN_NAMES = {"utils", "helpers", "core", "base", "misc"}

@@ -10,8 +10,9 @@ round, until it is clear where it goes:
   missing, sizes and periods alike within 2 %;
 * what is none of these at the end of the last round is followed once more, for half of all the time, with a small
   disturbance across the flow (`transverse.py`). Chaos: it grows by more than e^10, at a rate above three standard
-  errors. Torus: it neither grows nor shrinks by e^10, the ranges of all states in both halves are alike within 10 %,
-  and the amplitude goes up and down by 2 % or more within ten windows. A cycle: it shrinks by more than e^10, and `settled` finds the cycle with at most 5 % missing. Else undecided.
+  errors. Torus: its rate is zero within three standard errors, or within one e-folding, the ranges of all states in
+  both halves are alike within 5 %, and the amplitude goes up and down by 2 % or more within ten windows. A
+  cycle: it shrinks by more than e^10, and `settled` finds the cycle with at most 5 % missing. Else undecided.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -28,8 +29,8 @@ from rainwind.dynamics.kernels import taylor as kernel
 from rainwind.dynamics.kernels.values import values
 from rainwind.dynamics.newton import solve_equilibrium, spectrum
 from rainwind.dynamics.pieces import Pieces
+from rainwind.dynamics.run_inputs import turning_states
 from rainwind.dynamics.settled import Settled, settled
-from rainwind.dynamics.simulate import turning_states
 from rainwind.dynamics.system import System, as_system, number
 from rainwind.dynamics.tape import trace_function
 from rainwind.dynamics.taylor import TaylorEngine
@@ -42,12 +43,15 @@ LINEAR = 0.05  # of a trajectory's size: near an equilibrium
 MISSING, NEARLY, ALIKE = 0.01, 0.05, 0.02
 EFOLDS = 10.0
 ERRORS = 3.0
-SAME_RANGE = 0.1
-BEATS, ENVELOPE = 0.02, 50  # least change of amplitude on a torus; parts of the last look in which it is taken
+SAME_RANGE = 0.05
+BEATS, ENVELOPE = (
+    0.02,
+    50,
+)  # least change of amplitude on a torus; parts of the last look in which it is taken
 LAST = 10.0  # windows that the very last look takes
 _STEPS = 4_000_000  # of one trajectory in one round
 _BLOCKS = 20
-_TURN = 2.0 * np.pi
+_TURN, _SAMPLES = 2.0 * np.pi, 1000
 
 
 class Kind(Enum):
@@ -384,13 +388,16 @@ class Judge:
         t, found = self.longest + duration, [None] * len(x)
         judged, beats = {}, {}
         for i, pieces in self._look(which[run.fine], x, sizes, p, found, t, LAST):  # type: ignore[arg-type]
-            judged[i], beats[i] = self._judged(pieces, p[i], scales[i], t), self._beats(pieces, scales[i])
+            judged[i] = self._judged(pieces, p[i], scales[i], t)
+            beats[i] = self._beats(pieces)
         answers = []
         for k, i in enumerate(which):
             last = judged.get(int(i))
             if last is None:
                 answers.append(self._failed(x[i], kernel.RAN_AWAY, t))
-            elif last.kind in (Kind.LOST, Kind.EQUILIBRIUM):
+            elif last.kind in (Kind.LOST, Kind.EQUILIBRIUM) or np.isfinite(
+                last.rate
+            ):  # it stays where it began
                 answers.append(last)
             else:
                 answers.append(self._long_run(run, k, last, before[int(i)], beats[int(i)]))
@@ -415,19 +422,27 @@ class Judge:
         first, second = np.array_split(states, 2)
         ranges = np.ptp(first, axis=0), np.ptp(second, axis=0)
         alike = np.abs(ranges[0] - ranges[1]) <= SAME_RANGE * np.maximum(*ranges)
-        if abs(efolds) <= EFOLDS and beats >= BEATS and np.all(alike | (self.turns & (low + _TURN <= high))):
+        neutral = abs(efolds) <= min(EFOLDS, max(ERRORS * error * duration, 1.0))
+        if neutral and beats >= BEATS and np.all(alike | (self.turns & (low + _TURN <= high))):
             return replace(wide, **facts, kind=Kind.TORUS, period=None, note="")
         note = f"a disturbance across the flow grew by e^{efolds:.3g} in {duration:.4g}; {last.note or last.kind.value}"
         return replace(wide, **facts, kind=Kind.UNDECIDED, note=note)
 
-    def _beats(self, pieces: Pieces, scales: np.ndarray) -> float:
+    def _beats(self, pieces: Pieces) -> float:
         """By how much the amplitude goes up and down again, as a share of it, in the state where that is most."""
-        parts = np.array_split(pieces.joints()[:, ~self.turns], ENVELOPE)
-        sizes = np.array([np.ptp(part, axis=0) for part in parts if len(part)])
-        moves = sizes.max(axis=0, initial=0.0) > 1e-6 * scales[~self.turns]
-        steps = np.diff(sizes[:, moves], axis=0) / np.maximum(sizes[:, moves].max(axis=0, initial=0.0), 1e-300)
-        both = np.minimum(np.maximum(steps, 0.0).sum(axis=0), np.maximum(-steps, 0.0).sum(axis=0))
-        return float(both.max(initial=0.0))
+        times = np.linspace(pieces.times[0], pieces.times[-1], max(_SAMPLES * ENVELOPE, 4 * len(pieces)))
+        x = pieces.at(times)[:, ~self.turns]
+        moves = np.ptp(x, axis=0) > 1e-6 * np.abs(x).max(axis=0, initial=0.0)
+        most = 0.0
+        for column in x[:, moves].T:
+            up = np.diff(column) > 0.0
+            swings = int(np.count_nonzero(up[1:] != up[:-1])) // 2
+            # parts of three swings at least: sizes of shorter ones say nothing
+            parts = np.array_split(column, max(1, min(ENVELOPE, swings // 3)))
+            sizes = np.array([np.ptp(part) for part in parts])
+            steps = np.diff(sizes) / sizes.max()
+            most = max(most, min(float(steps[steps > 0.0].sum()), -float(steps[steps < 0.0].sum())))
+        return most
 
     def _ranging(self, one: Attractor, low: np.ndarray, high: np.ndarray, mean: np.ndarray) -> Attractor:
         """With these extremes; a state that went round takes every angle."""

@@ -109,7 +109,12 @@ def lyapunov(
     engine = TaylorEngine(with_tangents(system.tape, many), tolerance, lanes=1)
     begun, t, step = x.copy(), -turning, _first_step(system.jacobian(x), float(duration))
     units = np.where(sizes > 0.0, sizes, 1.0)  # of disturbances: in the long run they make no difference
-    w, own = np.eye(n)[:many], np.tile(units, many)
+    # along the flow first, which is an exponent of zero by itself; the others in no special direction
+    w = np.random.default_rng(1).standard_normal((n, n))
+    along = system.f(x) / units
+    w[0] = along / np.linalg.norm(along) if np.any(along) else w[0]
+    w = np.linalg.qr(w.T)[0].T[:many]
+    own = np.tile(units, many)
     times, logs, interrupted = [0.0], [np.zeros(many)], False
     try:
         while t < duration * (1.0 - 1e-12):
