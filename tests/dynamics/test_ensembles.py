@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import rainwind as rw
-from rainwind.dynamics import ensemble_plan
+from rainwind.dynamics import ensemble_plan, workers
 
 
 def _pendulum() -> rw.System:
@@ -200,7 +200,7 @@ def test_a_rate_and_the_time_left_are_told(monkeypatch):
     assert ensembles._rate(10, 1000, 0.0) == "0.1 trajectories/s, 2.8 h left"
 
 
-def test_a_checkpoint_is_gone_on_from(tmp_path):
+def test_a_checkpoint_is_gone_on_from(tmp_path, monkeypatch):
     starts = np.random.default_rng(0).normal(size=(100, 2))
 
     def run(folder=None, chunk: int = 10, progress=None, **more) -> rw.Ensemble:
@@ -219,8 +219,16 @@ def test_a_checkpoint_is_gone_on_from(tmp_path):
     assert 40 <= count < 100
     (tmp_path / "kept" / ".rows-90-100.npz.1.part").write_bytes(b"torn")
     seen: list[int] = []
+    computed: list[int] = []
+
+    def counted(plan, rows, stopped):
+        computed.append(len(rows))
+        return ensemble_plan.compute(plan, rows, stopped)
+
+    monkeypatch.setattr(workers, "compute", counted)
     again = run(tmp_path / "kept", chunk=7, progress=lambda done, total, what: seen.append(done))
-    assert seen[0] == count  # nothing is done again
+    assert seen[0] == count
+    assert sum(computed) == 100 - count  # nothing is done again
     _same(whole, again)
     # a damaged chunk is computed once more
     files = sorted((tmp_path / "kept").glob("rows-*.npz"))
