@@ -39,6 +39,7 @@ WORDS = {MASS: "rivulet mass", RATIO: "damping ratio", SPEED: "wind speed", **{n
 PERIODS, LAST = 1200.0, 60.0  # followed, and looked at
 THRESHOLD = 0.5  # of the diameter
 _TOLERANCE = 1e-7
+_FEWEST = 16
 
 
 @dataclass(frozen=True)
@@ -150,8 +151,8 @@ def compute(
             raise InputError(f"scatter of {name} = {value!r}: give a share from 0 to 0.5, 0.2 for 20 %")
     if samples < 2 or shape < 2:
         raise InputError(f"samples = {samples!r} and shape = {shape!r} must be 2 or more")
-    if sobol < 0 or sobol & (sobol - 1):
-        raise InputError(f"sobol = {sobol!r}: give a power of two, or 0 for no indices")
+    if sobol & (sobol - 1) or not (sobol == 0 or sobol >= _FEWEST):
+        raise InputError(f"sobol = {sobol!r}: give a power of two, {_FEWEST} or more, or 0 for no indices")
     wide = {**SCATTER, **(scatter or {})}
     low, high = speeds or speed_window(model, 2.0)
     if not 0.0 < low < high:
@@ -266,13 +267,16 @@ def _indices(
         found, _ = runner(flat[0], dict(zip(names[1:], flat[1:], strict=True)), told)
         return found.reshape(1, *x.shape[1:])
 
-    found = sobol_indices(func=amplitude, n=many, dists=dists, rng=np.random.default_rng(seed))
-    spread = found.bootstrap(confidence_level=0.6827, n_resamples=400)
+    with np.errstate(all="ignore"):  # of some resamples, or of all, nothing vibrates
+        found = sobol_indices(func=amplitude, n=many, dists=dists, rng=np.random.default_rng(seed))
+        spread = found.bootstrap(confidence_level=0.6827, n_resamples=400)
     first, total = (np.ravel(v) for v in (found.first_order, found.total_order))
     errors = [
         0.5 * (np.ravel(one.confidence_interval.high) - np.ravel(one.confidence_interval.low))
         for one in (spread.first_order, spread.total_order)
     ]
+    if not np.all(np.isfinite(total)):
+        return {}
     return {
         name: (float(first[k]), float(errors[0][k]), float(total[k]), float(errors[1][k]))
         for k, name in enumerate(names)
@@ -312,7 +316,12 @@ def draw(result: Result, figure: Figure) -> Figure:
             right.tick_params(axis="y", length=0)
             right.legend(loc="lower right")
         else:
-            style.note(right, "not computed" if result.indices == {} else "stopped before\nthe Sobol indices")
+            style.note(
+                right,
+                "not asked for, or\nnothing vibrates"
+                if result.indices == {}
+                else "stopped before\nthe Sobol indices",
+            )
             right.set(xticks=[], yticks=[])
         style.panel(right, "b", "what decides")
         if result.partial:
