@@ -6,6 +6,7 @@ import pytest
 from rainwind.dynamics.simulate import simulate
 from rainwind.dynamics.sweeps import SweepEnded, sweep
 from rainwind.dynamics.system import System
+from rainwind.elementary import sin
 from rainwind.errors import InputError
 
 FINEST = 2e-3
@@ -132,6 +133,22 @@ def test_what_makes_no_sense_is_refused(changed, words):
         go(-0.5, 0.3, (0.0, 0.0), **changed)
     with pytest.raises(InputError, match="one value"):
         go(0.1, 0.1, (0.0, 0.0))
+
+
+def test_an_angle_counts_from_minus_90_to_270_degrees():
+    # a pendulum at rest at sin(angle) = torque, begun a turn away
+    def rhs(x, p):
+        return x.v, p.torque - sin(x.angle) - 20.0 * x.v
+
+    pendulum = System(rhs, ("angle", "v"), {"torque": 0.0})
+    found = sweep(
+        pendulum, "torque", start=(-2.0 * np.pi, 0.0), until=(0.0, -0.5), step=0.25, finest=0.05,
+        scales={"angle": 1.0}, push={}, hold=400.0, longest=4000.0,
+    )  # fmt: skip
+    assert [level.state[0] for level in found.levels] == pytest.approx(
+        np.arcsin([0.0, -0.25, -0.5]), abs=1e-4
+    )
+    assert found["min angle"] == pytest.approx(np.arcsin([0.0, -0.25, -0.5]), abs=1e-4)
 
 
 def test_columns_by_name(down):

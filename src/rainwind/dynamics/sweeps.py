@@ -255,7 +255,11 @@ class _Holder:
             calm = calm + 1 if self._is_calm(change, last) else 0
             last, steady = change, calm >= _CALM
             if steady or held + self.hold > longest:
-                return Level(value, x, low.min(axis=0), high.max(axis=0), held, steady)
+                lowest, highest = low.min(axis=0), high.max(axis=0)
+                # a state that turns may have settled some turns away: it counts from -90 to 270 degrees
+                turns = np.floor((0.5 * (lowest + highest) + 0.5 * np.pi) / _TURN)
+                away = np.array([name in run.turning for name in run.states]) * turns * _TURN
+                return Level(value, x - away, lowest - away, highest - away, held, steady)
 
     def _is_calm(self, change: float, last: float) -> bool:
         """Whether what is still to come, if each block changes less than the one before by the same ratio, is little.
