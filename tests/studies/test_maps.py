@@ -58,8 +58,8 @@ def test_chaos_at_very_low_damping():
     found = rw.lyapunov(model, upper, duration=1500.0, transient=6000.0, many=3, tolerance=1e-8)
     assert found.exponents[0] > 10.0 * found.errors[0] > 0.0
     assert found.exponents[0] == pytest.approx(0.066, abs=0.015)
-    assert abs(found.exponents[1]) < 0.003
-    assert found.exponents[2] < -0.008
+    assert abs(found.exponents[1]) < 0.01
+    assert found.exponents[2] < -0.004
 
 
 def test_a_stopped_map_says_so():

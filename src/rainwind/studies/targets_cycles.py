@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 
 from rainwind.dynamics.equilibria import continue_equilibria
+from rainwind.dynamics.lyapunov import LyapunovSpectrum, lyapunov
 from rainwind.dynamics.orbit_results import Orbit, OrbitPoint
 from rainwind.dynamics.orbits import continue_orbits
+from rainwind.errors import ComputationError
 from rainwind.studies import paper, targets_equilibria, targets_time
 from rainwind.studies.cycle_map import MESH, STEP, CycleMap, cycle_map
 from rainwind.studies.equilibrium_map import equilibria_by_letter
@@ -25,6 +27,7 @@ LOW, MIDDLE, HIGH = (
 )  # m/s, of the paper's three ranges
 SWING_AT = 9.0  # m/s, T7
 LOW_RATIOS = (0.0002, 0.0005, 0.001)  # our choice: the paper names no low damping
+CHAOS_AT = (18.0, 0.0002)  # m/s and damping ratio, where `attractor_map` finds chaos
 RATIO = "section.damping_ratio"
 NO_CYCLE = Outcome(note="no limit cycle was found between 4 and 20 m/s", verdict="missed")
 _FIRST, _LAST = 1e-3, 0.1  # m: how far a small disturbance of D grows in T7's estimate
@@ -208,6 +211,7 @@ def low_damping(model: Any) -> Outcome:
         for ratio, points in ns.items()
     }
     seen = [p for ratio, points in pd.items() for p in points if _at_edge(maps[ratio], p)]
+    exponents = _exponents(model)
     parts = (
         Part(f"Neimark-Sacker points at each of {_percents(LOW_RATIOS)} % damping", all(ns.values())),
         Part(
@@ -217,6 +221,10 @@ def low_damping(model: Any) -> Outcome:
         Part("period doublings", any(pd.values())),
         Part("doublings of doubled cycles: a cascade", bool(twice)),
         Part("a period doubling of a stable cycle, so that it can be seen", bool(seen)),
+        Part(
+            "chaos: a positive Lyapunov exponent, another one zero",
+            exponents is not None and _chaotic(exponents),
+        ),
     )
     said = []
     for ratio in LOW_RATIOS:
@@ -227,8 +235,12 @@ def low_damping(model: Any) -> Outcome:
             words.append(f"soft at the edge of a stable cycle: {beats} m/s")
         words.append(f"period doubling at {_speeds(pd[ratio])} m/s" if pd[ratio] else "no period doubling")
         said.append(at + ", ".join(words))
+    speed, ratio = CHAOS_AT
+    largest = "the trajectory runs away"
+    if exponents is not None:
+        largest = f"largest Lyapunov exponent {exponents.exponents[0]:.2f} ± {exponents.errors[0]:.1g} 1/s"
     note = "; ".join(said) + (
-        ". Looked for at 4 to 20 m/s. Chaos is not computed: continuation follows cycles only, and cannot show it"
+        f". Looked for at 4 to 20 m/s. From D, displaced by a diameter, at {speed:g} m/s, {100 * ratio:g} %: {largest}"
     )
     rows = tuple(
         (
@@ -249,6 +261,27 @@ def low_damping(model: Any) -> Outcome:
     return Outcome(
         total, "number of Neimark-Sacker points and of period doublings", parts, note, Rows(header, rows)
     )
+
+
+def _exponents(model: Any) -> LyapunovSpectrum | None:
+    """The three largest exponents of the trajectory that begins beside D; None where it runs away."""
+    speed, ratio = CHAOS_AT
+    at = model.with_parameters({"wind.speed": speed, RATIO: ratio})
+    upper = equilibria_by_letter(at).get("D")
+    if upper is None:
+        return None
+    x = upper.state.copy()
+    x[at.states.index("y")] += at.section.diameter
+    try:
+        return lyapunov(at, x, duration=1500.0, transient=6000.0, many=3, tolerance=1e-8)
+    except ComputationError:
+        return None
+
+
+def _chaotic(found: LyapunovSpectrum) -> bool:
+    """Whether the largest exponent is far above its error, and the next one is that of the flow, zero."""
+    (first, second, _), errors = found.exponents, found.errors
+    return bool(first > 5.0 * errors[0] and abs(second) < max(0.1 * first, 4.0 * errors[1]))
 
 
 def amplitude(model: Any) -> Outcome:
