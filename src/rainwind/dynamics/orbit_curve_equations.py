@@ -19,6 +19,8 @@ from rainwind.dynamics.orbit_conditions import (
 )
 from rainwind.dynamics.orbit_equations import NEWTON_LIMIT, Linearised, OrbitEquations, OrbitNode
 
+_ROUNDING = 1e-7  # of Newton's steps on a curve, below which they may be rounding
+
 
 @dataclass(frozen=True, slots=True)
 class OrbitCurveNode(OrbitNode):
@@ -82,7 +84,7 @@ class OrbitCurveEquations(OrbitEquations):
             if not np.all(np.isfinite(step)):
                 return None
             u += step
-            if self.settled(sizes):
+            if self.settled(sizes) or self.stalled(sizes):
                 if self.collapsed(u, predicted):
                     return None
                 turned = np.concatenate([x[:, :, 1].ravel(), lam[:, 1]]) / self.scale
@@ -90,6 +92,14 @@ class OrbitCurveEquations(OrbitEquations):
                 return self._node(near, u, turned, iteration, at, found, by[:scalars])
             sizes.append(self.change(step, u))
         return None
+
+    def stalled(self, sizes: list[float]) -> bool:
+        """Whether Newton's steps are rounding already: small, and no longer shrinking.
+
+        Where orbits vanish, towards a generalised Hopf point, rounding of the bordered systems grows as they shrink;
+        no step would ever be below the tolerance.
+        """
+        return len(sizes) > 2 and max(sizes[-3:]) < _ROUNDING and sizes[-1] > 0.1 * sizes[-3]
 
     def _node(
         self,

@@ -38,6 +38,9 @@ from rainwind.errors import ComputationError, InputError
 
 Windows = Mapping[str, tuple[float, float]]
 
+_FAR = 0.1  # units between two extrapolations of a point that are one
+_APART = 1.5  # ratio of the sizes of orbits from which one extrapolates
+
 
 def continue_lpc(
     model: Any,
@@ -214,13 +217,19 @@ def _name_the_end(problem: OrbitCurveEquations, half: Half) -> None:
 
 def _generalised_hopf(problem: OrbitCurveEquations, nodes: list[OrbitCurveNode]) -> OrbitPoint | None:
     """The generalised Hopf point to which the orbits of an lpc curve shrink, extrapolated; None where they do not."""
-    if len(nodes) < 3:
-        return None
-    sizes = np.array([swing_size(problem, node) for node in nodes[-3:]])
-    if not (sizes[0] > sizes[1] > sizes[2] and sizes[2] < 0.5):
+    sizes, few = np.zeros(0), list[Any]()
+    for node in reversed(
+        nodes
+    ):  # those near the end lie too close together: apart, their rounding matters less
+        size = swing_size(problem, node)
+        if not few or size > _APART * sizes[0]:
+            few, sizes = [node, *few], np.append(size, sizes)
+        if len(few) == 3:
+            break
+    if len(few) < 3 or not sizes[2] < 0.5:
         return None
     squares = sizes**2
-    values = np.array([list(problem.on(node.grid).named(node.u).values()) for node in nodes[-3:]])
+    values = np.array([list(problem.on(node.grid).named(node.u).values()) for node in few])
     # parameters and the mean state are smooth in the square of the size
     at_end = [float(np.polynomial.Polynomial.fit(squares, column, 2)(0.0)) for column in values.T]
     linear = [float(np.polynomial.Polynomial.fit(squares[1:], column, 1)(0.0)) for column in values[1:].T]
@@ -238,11 +247,13 @@ def _generalised_hopf(problem: OrbitCurveEquations, nodes: list[OrbitCurveNode])
     nearest = values_there[np.argmin(np.abs(values_there - 1j * omega))]
     if abs(nearest.real) > 0.01 * omega:
         return None
-    point = describe(here, "gh", last, 0.0, note=f"extrapolated from orbits of size {sizes[-1]:.2g}")
     spread = max(
         abs(a - b) / unit for a, b, unit in zip(at_end, linear, problem.parameter_units, strict=True)
     )
-    checks = {"real part of the pair": (float(nearest.real), 0.01 * omega), "extrapolation": (spread, 0.1)}
+    if spread > _FAR:
+        return None
+    point = describe(here, "gh", last, 0.0, note=f"extrapolated from orbits of size {sizes[-1]:.2g}")
+    checks = {"real part of the pair": (float(nearest.real), 0.01 * omega), "extrapolation": (spread, _FAR)}
     parameters = {**point.parameters, **dict(zip(problem.along, at_end, strict=True))}
     certificate = replace(point.certificate, checks=checks)
     return replace(point, parameters=parameters, certificate=certificate)

@@ -31,6 +31,7 @@ WORDS = {
 UNITS = {  # of the sample case's table: factor from SI, unit
     "wind.speed": (1.0, "m/s"),
     "wind.yaw": (180.0 / pi, "deg"),
+    "wind.vertical_speed": (1.0, "m/s"),
     "wind.density": (1.0, "kg/m³"),
     "section.diameter": (1.0, "m"),
     "section.mass": (1.0, "kg/m"),
