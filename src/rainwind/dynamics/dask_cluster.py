@@ -27,7 +27,10 @@ def chunks_by_dask(
     with ExitStack() as closing:
         if scheduler is None:
             cluster = LocalCluster(
-                n_workers=count or None, threads_per_worker=1, dashboard_address=None, processes=True
+                n_workers=count or None,
+                threads_per_worker=1,
+                dashboard_address=None,
+                processes=True,  # type: ignore[arg-type]
             )
             closing.callback(_quietly, cluster.close)
             client = Client(cluster)

@@ -33,13 +33,15 @@ def _closing(
 ) -> tuple[float, Trajectory] | None:
     """How near to x its trajectory comes back after about `lag`, in units, and the trajectory up to there."""
     rate = integration.system.f(x) / units
+    found = None
     for _ in range(4):
         run = integration.run(x, lag, units)
         if run is None or not np.any(rate):
             return None
         away = (run.states[-1] - x) / units
+        found = float(np.max(np.abs(away))), run
         shift = float(away @ rate / (rate @ rate))
         if abs(shift) < 1e-9 * lag:
             break
         lag -= float(np.clip(shift, -0.1 * lag, 0.1 * lag))
-    return float(np.max(np.abs(away))), run
+    return found

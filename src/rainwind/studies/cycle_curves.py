@@ -252,7 +252,7 @@ def _without_fold(curves: Sequence[OrbitBranch], speeds: tuple[float, float]) ->
     """Ratios just below points at which a fold of cycles meets an ns or pd curve, but no lpc curve was found there."""
     folds = [curve for curve in curves if curve.kind == "lpc"]
     points = [
-        p for c in curves if c.kind in ("ns", "pd") for p in c.special if p.kind in ("lpns", "foldflip")
+        p for c in curves if c.kind in ("ns", "pd") for p in c.points() if p.kind in ("lpns", "foldflip")
     ]
     return sorted(
         (1.0 - _BELOW) * p.parameters[RATIO]

@@ -9,7 +9,7 @@ supercritical Neimark-Sacker points.
 """
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -99,13 +99,13 @@ def draw(result: Result, figure: Figure) -> Figure:
             _whole(result, figure.add_subplot())
         else:
             # notes would lie on a legend below
-            _panels(result, figure, legend="outside upper center" if notes else "outside lower center")
+            _panels(result, figure, legend="upper" if notes else "lower")
         style.below(figure, notes, letters=130 if cycles else 66)
     return figure
 
 
-def _panels(result: Result, figure: Figure, *, legend: str) -> None:
-    """The whole window on the left; the upper corner and low damping on the right; one legend at the place `legend`."""
+def _panels(result: Result, figure: Figure, *, legend: Literal["upper", "lower"]) -> None:
+    """The whole window on the left; the upper corner and low damping on the right; one legend above or below."""
     boxes = [box for box in (upper_corner(result), low_damping(result)) if box is not None]
     grid = figure.add_gridspec(
         max(1, len(boxes)), 2 if boxes else 1, width_ratios=(1.0, 1.05) if boxes else None
@@ -130,8 +130,9 @@ def _panels(result: Result, figure: Figure, *, legend: str) -> None:
     kinds = [kind for kind in LINES if curves.of(kind)]
     codim2 = [kind for kind in NAMES if any(kind == k for k, _, _ in _marks(result))]
     counts = [1, 2] if stable.count.max() > 1 else [1]
+    place = "outside upper center" if legend == "upper" else "outside lower center"
     figure.legend(
-        handles=legend_handles(kinds, codim2, counts), loc=legend, ncols=4, borderpad=0.2,
+        handles=legend_handles(kinds, codim2, counts), loc=place, ncols=4, borderpad=0.2,
         columnspacing=1.2, handlelength=2.3,
     )  # fmt: skip
 
