@@ -26,11 +26,9 @@ def chunks_by_dask(
         ) from None
     with ExitStack() as closing:
         if scheduler is None:
+            no_page: Any = None  # Dask's own types know no cluster without a web page
             cluster = LocalCluster(
-                n_workers=count or None,
-                threads_per_worker=1,
-                dashboard_address=None,
-                processes=True,  # type: ignore[arg-type]
+                n_workers=count or None, threads_per_worker=1, dashboard_address=no_page, processes=True
             )
             closing.callback(_quietly, cluster.close)
             client = Client(cluster)
