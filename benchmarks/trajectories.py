@@ -21,9 +21,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from numba import njit
 from scipy.integrate import odeint, solve_ivp
+from tests.validation import heyoka_peer
 
 import rainwind as rw
-from benchmarks import heyoka_peer
 from benchmarks.__main__ import RESULTS, _machine
 from rainwind.dynamics.kernels import machine_code
 from rainwind.dynamics.kernels import opcodes as op
