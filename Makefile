@@ -13,7 +13,7 @@ paper: $(VENV)/.user
 	$(BIN)/rainwind paper --out $(OUT)
 
 test: lint types
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto --dist loadfile
 
 lint: $(VENV)/.developer
 	$(BIN)/ruff check .
