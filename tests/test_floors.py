@@ -14,17 +14,20 @@ FLOORS = {
     "engineering": 2,
     "io": 3, "plotting": 3,
     "studies": 4,
+    "reporting": 4,  # an assessment as pages and tables: templates, typst, Excel
     "cli_output": 4, "cli_work": 4,  # what the floor above prints and how it waits; they know no study
     "cli_time": 5, "cli_maps": 5,  # commands that cli adds to its program
     "cli": 6, "app": 6, "__main__": 7,
 }  # fmt: skip
 FORBIDDEN_NAMES = {"utils", "helpers", "core", "base", "misc"}
 ONLY_IN = {
-    "matplotlib": {"plotting", "studies"},
+    "matplotlib": {"plotting", "studies", "reporting"},
     "xarray": {"io"},
     "h5netcdf": {"io"},
     "netCDF4": {"io"},
     "pint": {"io"},
+    "openpyxl": {"io", "reporting"},
+    "typst": {"reporting"},
 }
 
 # `to_xarray` of a trajectory and an ensemble, when it is called

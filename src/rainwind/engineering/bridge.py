@@ -35,7 +35,8 @@ class Site:
             object.__setattr__(self, name, positive(f"site.{name}", getattr(self, name)))
         if self.profile == "logarithmic" and self.roughness >= self.reference_height:
             raise InputError(
-                f"site.roughness = {self.roughness:g} m must be less than the reference height, {self.reference_height:g} m"
+                f"site.roughness = {self.roughness:g} m must be less than the reference height, "
+                f"{self.reference_height:g} m"
             )
 
 

@@ -1,0 +1,1 @@
+"""An assessment as a report to file: PDF, HTML, Excel and CSV."""
