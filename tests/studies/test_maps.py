@@ -78,22 +78,6 @@ def test_a_stopped_map_says_so():
     assert attractor_map.summary(found)[0].startswith("Stopped by the user")
 
 
-def test_tilted_coefficients():
-    given = paper_model().coefficients
-    same = vibration_probability.SteeperCoefficients(given, (1.0, 1.0, 1.0))
-    steeper = vibration_probability.SteeperCoefficients(given, (1.1, 1.0, 0.9))
-    low, high = given.valid
-    middle = 0.5 * (low + high)
-    for alpha in (-1.2, -0.5, 2.0):
-        assert same.at(alpha) == given.at(alpha)
-    assert np.allclose(steeper.at(middle), given.at(middle), atol=1e-12)
-
-    def slopes(one) -> np.ndarray:
-        return (np.array(one.at(middle + 1e-3)) - np.array(one.at(middle - 1e-3))) / 2e-3
-
-    assert np.allclose(slopes(steeper) / slopes(given), (1.1, 1.0, 0.9), rtol=1e-3)
-
-
 def test_probabilities_without_scatter_are_zero_or_one():
     nothing = dict.fromkeys(vibration_probability.SCATTER, 0.0)
     found = vibration_probability.compute(speeds=(7.0, 17.0), scatter=nothing, samples=2, shape=6, sobol=0)

@@ -10,7 +10,6 @@ amplitude, with the wind uniform over the range.
 """
 
 from collections.abc import Mapping
-from copy import copy
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -24,61 +23,20 @@ from rainwind.dynamics.ensembles import ensemble
 from rainwind.dynamics.reductions import Extremes
 from rainwind.errors import InputError, is_interrupt
 from rainwind.io.results import Column, Table, save_csv, save_netcdf
-from rainwind.physics.coefficients import CoefficientSet, Outside
 from rainwind.physics.model import RivuletModel
+from rainwind.physics.tilted import DRAG, LIFT, MOMENT, SLOPES, ScatteredModel
 from rainwind.plotting import style
 from rainwind.studies import paper
 from rainwind.studies.equilibrium_map import speed_window
 from rainwind.studies.long_time import UpperRivulet, upper_rivulet
 
 MASS, RATIO, SPEED = "rivulet.mass", "section.damping_ratio", "wind.speed"
-LIFT, DRAG, MOMENT = "lift slope", "drag slope", "moment slope"
-SLOPES = (LIFT, DRAG, MOMENT)
 SCATTER = {MASS: 0.2, RATIO: 0.3, LIFT: 0.1, DRAG: 0.1, MOMENT: 0.1}
 WORDS = {MASS: "rivulet mass", RATIO: "damping ratio", SPEED: "wind speed", **{name: name for name in SLOPES}}
 PERIODS, LAST = 1200.0, 60.0  # followed, and looked at
 THRESHOLD = 0.5  # of the diameter
 _TOLERANCE = 1e-7
 _FEWEST = 16
-
-
-@dataclass(frozen=True)
-class SteeperCoefficients:
-    """A set whose curves are tilted about the middle of its range: C + (factor - 1) C'(middle) (alpha - middle)."""
-
-    given: CoefficientSet
-    factors: tuple[Any, Any, Any]
-
-    def at(self, alpha: Any, outside: Outside = "blend") -> tuple[Any, Any, Any]:
-        """C_L, C_D, C_M at alpha (rad), as `CoefficientSet.at` gives them; with "blend" tilted within the range."""
-        low, high = self.given.valid
-        middle, step = 0.5 * (low + high), 1e-4
-        weight, angle = 1.0, alpha
-        if outside == "blend":
-            weight, angle = self.given.usable_blend.weight_and_angle(alpha)
-        curves = (self.given.lift, self.given.drag, self.given.need_moment())
-        slopes = ((curve(middle + step) - curve(middle - step)) / (2.0 * step) for curve in curves)
-        return tuple(
-            c + weight * (factor - 1.0) * float(slope) * (angle - middle)
-            for c, factor, slope in zip(self.given.at(alpha, outside), self.factors, slopes, strict=True)
-        )  # type: ignore[return-value]
-
-
-class ScatteredModel:
-    """A model with three more parameters: factors on the slopes of lift, drag and moment, 1 for the set as given."""
-
-    def __init__(self, model: RivuletModel) -> None:
-        self.given = model
-        self.states = model.states
-        self.parameters = {**model.parameters, **dict.fromkeys(SLOPES, 1.0)}
-        self.structure = ("scattered", model.structure)
-
-    def rhs(self, x: Any, p: Any) -> Any:
-        """The model's own right-hand side with tilted coefficients."""
-        tilted = copy(self.given)
-        coefficients = SteeperCoefficients(self.given.coefficients, (p[LIFT], p[DRAG], p[MOMENT]))
-        object.__setattr__(tilted, "coefficients", coefficients)
-        return tilted.rhs(x, p)
 
 
 @dataclass(frozen=True, eq=False)
