@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from rainwind.errors import CaseError, InputError
-from rainwind.io.case_keys import Given, check_top, read_table
+from rainwind.io.case_keys import Given, check_top, read_table, refusal
 from rainwind.io.faults import Faults
 from rainwind.io.lines import key_lines
-from rainwind.io.schema import NUMBERS, TABLES, Number
+from rainwind.io.schema import NUMBERS, TABLES
 from rainwind.io.units import has_decimal_comma
 from rainwind.io.usual import FASTEST
 from rainwind.physics.coefficient_files import load_coefficients, shipped_sets
@@ -43,7 +43,7 @@ def given_numbers(path: Path | str) -> dict[tuple[str, str], Given]:
     return {
         (table, name): given
         for table in TABLES
-        for name, given in read_table(table, content.get(table, {}), faults).items()
+        for name, given in read_table(table, content.get(table, {}), faults.part(table)).items()
     }
 
 
@@ -58,7 +58,7 @@ def model_from_text(text: str, name: str = "case", folder: Path | None = None) -
         raise CaseError(f"{name}: not a TOML file: {error}; {_remedy(text, error)}") from error
     faults = Faults(name, key_lines(text))
     check_top(content, faults)
-    values = {table: read_table(table, content.get(table, {}), faults) for table in TABLES}
+    values = {table: read_table(table, content.get(table, {}), faults.part(table)) for table in TABLES}
     records = {table: _record(table, values[table], faults) for table in _RECORDS}
     _check_possible(values, records, faults)
     coefficients = _coefficients(values["coefficients"], folder or Path(), faults)
@@ -107,7 +107,7 @@ def _record(table: str, values: dict[str, Given], faults: Faults) -> Any:
             _RECORDS[table](**_fields(table, sample | {item.field: given.value}))
         except InputError as error:
             refused = True
-            faults.add(_refusal(item, given, error), table, given.key)
+            faults.add(refusal(item, given, error), table, given.key)
     complete = all(
         name in values or (item.parts and set(item.parts) <= set(values))
         for name, item in numbers.items()
@@ -143,15 +143,6 @@ def _check_possible(values: dict[str, dict[str, Given]], records: dict[str, Any]
             "rivulet",
             height.key,
         )
-
-
-def _refusal(item: Number, given: Given, error: InputError) -> str:
-    if item.allowed:
-        return (
-            f"{given.key} = {given.raw!r} is {given.value:g} rad; allowed is {item.allowed}; "
-            "correct the number or its unit"
-        )
-    return f"{given.key} = {given.raw!r}: {error}"
 
 
 def _fields(table: str, values: dict[str, Any]) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from math import pi
 
 from rainwind.io.units import KINDS, Kind
 
-__all__ = ["NUMBERS", "OPTIONS", "SCHEMA", "TABLES", "Number", "Option"]
+__all__ = ["NUMBERS", "OPTIONS", "SCHEMA", "SECTION_KEYS", "TABLES", "Keys", "Number", "Option"]
 
 SCHEMA = 1
 TABLES = ("wind", "section", "rivulet", "coefficients", "model")
@@ -26,17 +26,43 @@ class Number:
     shown: bool = True  # in the example file
     zero_if_left_out: bool = False
     allowed: str = ""  # of an angle: the physics speaks of radians only
+    several: bool = False  # a list of numbers may stand there; the value is a tuple
 
 
 @dataclass(frozen=True)
 class Option:
-    """A key that holds a word or a count."""
+    """A key that holds words, a count or a number without a unit.
+
+    form: what is read, "text", "texts", "count" or "number"; "" passes anything on to whoever checks it.
+    choices: the texts allowed, () for any.
+    """
 
     table: str
     name: str
-    sample: str | int
+    sample: str | int | float | tuple[str, ...]
     comment: str
     shown: bool = True
+    form: str = ""
+    choices: tuple[str, ...] = ()
+    required: bool = False
+
+
+@dataclass(frozen=True)
+class Keys:
+    """All keys of one kind of file."""
+
+    tables: tuple[str, ...]
+    numbers: tuple[Number, ...]
+    options: tuple[Option, ...]
+    arrays: tuple[str, ...] = ()  # tables that may be written several times, [[so]]
+
+    def numbers_of(self, table: str) -> dict[str, Number]:
+        """Name without unit -> the key, of one table."""
+        return {item.name: item for item in self.numbers if item.table == table}
+
+    def options_of(self, table: str) -> dict[str, Option]:
+        """Name -> the key, of one table."""
+        return {item.name: item for item in self.options if item.table == table}
 
 
 _SAMPLE = "Peil & Nahrath (2003), section 3"
@@ -177,3 +203,5 @@ OPTIONS = (
     Option("model", "angle", "arctan", "eq. (3): arctan, or linear as printed on its right-hand side"),
     Option("model", "relative_speed", "wind", "eq. (2): wind as in the paper, or full"),
 )
+
+SECTION_KEYS = Keys(TABLES, NUMBERS, OPTIONS)

@@ -68,6 +68,21 @@ KINDS = {
         Kind("friction", {"Nms": (1, 1)}, ("N*m*s", "N*m*s/m"), "Nms", "0.05 N m s"),
         Kind("quadratic stiffness", {"N_m3": (1, 1)}, ("N/m^3",), "N_m3", "0.0077 N/m^3"),
         Kind("cubic stiffness", {"N_m4": (1, 1)}, ("N/m^4",), "N_m4", "0.00115 N/m^4"),
+        Kind("force", {"N": (1, 1), "kN": (1000, 1), "MN": (1e6, 1)}, ("N",), "kN", "4500 kN"),
+        Kind(
+            "bending stiffness",
+            {"Nm2": (1, 1), "kNm2": (1000, 1), "MNm2": (1e6, 1)},
+            ("N*m^2",),
+            "kNm2",
+            "900 kNm^2",
+        ),
+        Kind("damper coefficient", {"Ns_m": (1, 1), "kNs_m": (1000, 1)}, ("N*s/m",), "kNs_m", "80 kNs/m"),
+        Kind(
+            "stiffness", {"N_m": (1, 1), "kN_m": (1000, 1), "MN_m": (1e6, 1)}, ("N/m",), "kN_m", "5000 kN/m"
+        ),
+        Kind("time", {"s": (1, 1), "min": (60, 1), "h": (3600, 1)}, ("s",), "h", "2 h"),
+        # the one quantity that stays in its usual unit inside too, as the records of rain have it
+        Kind("rain rate", {"mm_h": (1, 1)}, ("mm/h",), "mm_h", "0.5 mm/h"),
     )
 }
 
@@ -171,8 +186,10 @@ def _tidy(result: float, value: float, unit: str, kind: Kind) -> float:
 
 
 def _spelt_out(unit: str) -> str:
-    # pint reads "Nms" as a number-metre and "N ms" as newton-milliseconds
-    return re.sub(r"\bN\s*ms\b", "N*m*s", unit)
+    # pint reads "Nms" as a number-metre, "N ms" as newton-milliseconds and does not know "kNm2" or "kNs/m"
+    unit = re.sub(r"\bN\s*ms\b", "N*m*s", unit)
+    unit = re.sub(r"\b([kM]?N)\s*s\b", r"\1*s", unit)
+    return re.sub(r"\b([kM]?N)\s*m\s*(?:\^|\*\*)?\s*[2²]", r"\1*m^2", unit)
 
 
 @cache
