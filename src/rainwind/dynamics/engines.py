@@ -92,7 +92,7 @@ class Stiff:
     def __init__(self, system: System, driven: Drive, tolerance: float) -> None:
         self._engine = Rosenbrock(system, driven, tolerance)
         self.moving, n = self._engine.moving, len(system.states)
-        self.cost = 350.0 + 2.2 * self.moving * (n + len(driven.names) + 8) + 3.0 * n * n
+        self.cost = 350.0 + 2.2 * self.moving * (n + len(driven.names) + 10) + 3.0 * n * n
         self._step = 0.0
 
     def advance(
