@@ -10,8 +10,8 @@ __all__ = ["beta", "normal_factor"]
 def normal_factor(yaw: Any, inclination: Any) -> Any:
     """U_n / U = sqrt(cos² gamma + sin² gamma sin² delta) of a horizontal wind.
 
-    yaw gamma and inclination delta in rad: numbers, arrays or tape symbols. Source: Peil & Nahrath (2003), eq. (1)
-    (read).
+    yaw gamma and inclination delta in rad: numbers, arrays or tape symbols. Source: geometry (derived; a test
+    compares it with vectors in space): the paper prints beta only.
     """
     across, along = cos(yaw), sin(yaw) * sin(inclination)
     return sqrt(across * across + along * along)
