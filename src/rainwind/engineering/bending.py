@@ -9,11 +9,10 @@ Lengths in units of L, w = omega L sqrt(m / T), epsilon = EI / (T L²):
 from math import cos, inf, pi, sin, sqrt, tanh
 from typing import Literal, get_args
 
-from scipy.optimize import brentq
-
 from rainwind.engineering.cable import Cable
 from rainwind.errors import InputError
 from rainwind.physics.checks import one_of
+from rainwind.physics.root_isolation import polished_root
 
 __all__ = ["ENDS", "Ends", "bending_parameter", "frequency", "hyperbolic", "mode_number", "wave_number"]
 
@@ -22,7 +21,6 @@ ENDS: tuple[str, ...] = get_args(Ends)
 
 _NO_BENDING = 1e-24
 """epsilon below which a cable is a string: its ends change q by 2 sqrt(epsilon), far below rounding."""
-_TIGHT = 1e-14
 
 
 def bending_parameter(cable: Cable) -> float:
@@ -67,4 +65,4 @@ def wave_number(mode: int, epsilon: float, ends: Ends = "clamped") -> float:
             return q / p * sin(q / 2) + tanh(p / 2) * cos(q / 2)
         return sin(q / 2) - q / p * tanh(p / 2) * cos(q / 2)
 
-    return float(brentq(clamping, mode * pi, (mode + 1) * pi, xtol=_TIGHT, rtol=_TIGHT))
+    return polished_root(clamping, (mode * pi, (mode + 1) * pi))

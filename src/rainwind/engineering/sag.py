@@ -10,13 +10,12 @@ modes and those out of plane do not stretch it, so that they are those of `bendi
 
 from math import cos, pi, sin, tanh
 
-from scipy.optimize import brentq
-
 from rainwind.engineering.bending import Ends, hyperbolic, wave_number
 from rainwind.engineering.cable import Cable
 from rainwind.errors import InputError
 from rainwind.physics.checks import not_negative
 from rainwind.physics.letters import GRAVITY
+from rainwind.physics.root_isolation import polished_root
 
 __all__ = [
     "CROSSOVER",
@@ -29,8 +28,6 @@ __all__ = [
 
 CROSSOVER = 4 * pi**2
 """lambda² at which modes 1 and 2 in plane have the same frequency (a string's)."""
-
-_TIGHT = 1e-14
 
 
 def weight_ratio(cable: Cable) -> float:
@@ -81,7 +78,5 @@ def sagging_wave_number(mode: int, lambda2: float, epsilon: float = 0.0, ends: E
         integral = c + a * 2 / p * tanh(p / 2) + 2 / q * sin(q / 2)
         return (q * q + epsilon * q**4) * c - lambda2 * integral
 
-    # where sag changes less than rounding, the sign at `low` is chance
-    if balance(low) * balance(high) >= 0:
-        return low
-    return float(brentq(balance, low, high, xtol=_TIGHT, rtol=_TIGHT))
+    # where the sag changes less than rounding does, both signs may be the same: then it is `low`
+    return polished_root(balance, (low, high))
