@@ -16,7 +16,7 @@ FLOORS = {
     "studies": 4,
     "reporting": 4,  # an assessment as pages and tables: templates, typst, Excel
     "cli_output": 4, "cli_work": 4,  # what the floor above prints and how it waits; they know no study
-    "cli_time": 5, "cli_maps": 5,  # commands that cli adds to its program
+    "cli_time": 5, "cli_maps": 5, "cli_assess": 5,  # commands that cli adds to its program
     "cli": 6, "app": 6, "__main__": 7,
 }  # fmt: skip
 FORBIDDEN_NAMES = {"utils", "helpers", "core", "base", "misc"}

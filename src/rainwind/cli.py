@@ -14,6 +14,7 @@ from typing import Annotated, Any
 import typer
 import typer.core
 
+from rainwind.cli_assess import add_assess_command
 from rainwind.cli_maps import add_map_commands
 from rainwind.cli_output import (
     announce_compilation,
@@ -359,6 +360,7 @@ def _draw(study: str, model: Any, out: Path) -> None:
 
 add_commands(app, _model, _not_the_case)
 add_map_commands(app, _model, _not_the_case)
+add_assess_command(app)
 
 if __name__ == "__main__":
     main()

@@ -74,7 +74,8 @@ class ModeAnswer:
     where rivulets have been observed; speeds (k,) and amplitudes (k, 3): its band over speed. amplitude_dampers, ...:
     with the stay's dampers, None without any. damping_needed: ratio above which no direction and speed is unstable;
     damping_needed_observed: the same over the observed speeds only. rule_damping: ratio that the PTI rule asks for.
-    build_up: s from a tenth of a diameter to the amplitude. stroke, force: of the damper, m and N.
+    lost: (k,) share of samples of which the rivulet is lost before a steady vibration; their amplitude is no part of
+    the band. build_up: s from a tenth of a diameter to the amplitude. stroke, force: of the damper, m and N.
     uplift: mean displacement upwards by the wind, m. hours: a year, in the range with rain; None without climate.
     cycles: a year, in `cycle_edges` of amplitude (m).
     """
@@ -101,6 +102,7 @@ class ModeAnswer:
     amplitude: Band
     build_up: Band
     uplift: Band
+    lost: np.ndarray | None = None
     amplitudes_undamped: np.ndarray | None = None
     amplitude_undamped: Band | None = None
     stroke: Band | None = None

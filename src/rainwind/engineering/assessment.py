@@ -1,0 +1,133 @@
+"""Will the stays of a bridge vibrate in rain and wind: every stay, mode and direction, each answer as a band.
+
+For each mode an equivalent section with a rivulet by the rule for the stay's diameter (or the case's own); for each
+coefficient set the same samples of rivulet and slopes. The range of wind speeds is where small vibrations about the
+upper rivulet grow; the amplitude is that of runs in time in the direction that needs the most damping.
+"""
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from rainwind.engineering.answer_store import AnswerStore
+from rainwind.engineering.answers import BridgeAnswer, ModeAnswer, StayAnswer
+from rainwind.engineering.bridge import Bridge
+from rainwind.engineering.cable import Cable
+from rainwind.engineering.climate import Climate
+from rainwind.engineering.criteria import code_checks
+from rainwind.engineering.dampers import damped_modes
+from rainwind.engineering.mode_assessment import Setting
+from rainwind.engineering.modes import cable_modes
+from rainwind.engineering.rivulets import RIVULET_SCATTER, sample_factors, usual_rivulet
+from rainwind.engineering.stay_sentences import stay_sentences, verdict
+from rainwind.errors import RainwindError
+from rainwind.physics.coefficient_files import load_coefficients
+
+__all__ = ["Progress", "assess"]
+
+Progress = Callable[[int, int, str], None]
+"""done, total, what: called often, in no more than one thread at a time."""
+
+_FAILURES = (RainwindError, ArithmeticError, ValueError, LookupError, np.linalg.LinAlgError)
+
+
+def assess(
+    bridge: Bridge,
+    climate: Climate | None = None,
+    *,
+    checkpoint: Path | str | None = None,
+    workers: int | None = None,
+    progress: Progress | None = None,
+    case_text: str = "",
+) -> BridgeAnswer:
+    """Assess every stay of a bridge; climate: its records, as `io.climate_files.read_climate` gives them.
+
+    checkpoint: a folder in which each finished stay is kept; the same call goes on from there. workers: threads,
+    None for one on each processor. A stay that fails stands in the answer with its reason; Ctrl-C, or a
+    KeyboardInterrupt of `progress`, gives the stays that are done. case_text: the input file, which the report repeats.
+    Raises InputError before anything is computed.
+    """
+    begin = perf_counter()
+    sets = tuple(load_coefficients(name) for name in bridge.question.sets)
+    factors = sample_factors(RIVULET_SCATTER, bridge.question.samples, bridge.question.seed)
+    store = AnswerStore(checkpoint, bridge, sets, climate) if checkpoint is not None else None
+    done: list[StayAnswer] = []
+    interrupted = False
+    total = len(bridge.stays) * bridge.question.modes
+    with ThreadPoolExecutor(workers) as pool:
+        setting = Setting(bridge, climate, sets, factors, pool, workers)
+        try:
+            for number, cable in enumerate(bridge.stays):
+                kept = store.kept(cable) if store is not None else None
+                if kept is None:
+                    kept = _stay(setting, cable, _told(progress, number * bridge.question.modes, total))
+                    if store is not None and not kept.failure:
+                        store.keep(kept)
+                elif progress is not None:
+                    progress((number + 1) * bridge.question.modes, total, f"{cable.name}: kept from before")
+                done.append(kept)
+        except KeyboardInterrupt:
+            interrupted = True
+    notes = tuple(climate.notes) if climate is not None else ()
+    return BridgeAnswer(bridge, tuple(done), perf_counter() - begin, case_text, interrupted, notes)
+
+
+def _told(progress: Progress | None, before: int, total: int) -> Callable[[int, str], None]:
+    def tell(modes: int, what: str) -> None:
+        if progress is not None:
+            progress(before + modes, total, what)
+
+    return tell
+
+
+def _stay(setting: Setting, cable: Cable, tell: Callable[[int, str], None]) -> StayAnswer:
+    """One stay; a failure is an answer."""
+    bridge = setting.bridge
+    count = bridge.question.modes
+    assumptions = tuple(_assumptions(bridge, cable))
+    try:
+        modes = cable_modes(cable, count)
+        damped = damped_modes(cable, count)
+        answers = []
+        for mode, own in zip(modes, damped, strict=True):
+            tell(mode.number - 1, f"{cable.name}, mode {mode.number} of {count}")
+            answers.append(setting.mode(cable, mode, own))
+        checks = code_checks(
+            cable, modes, [a.damping_total for a in answers], bridge.site.density,
+            amplitude_at_15=_amplitude_at(answers, 15.0),
+        )  # fmt: skip
+    except _FAILURES as error:
+        tell(count, f"{cable.name}: failed")
+        reason = f"{error}" if isinstance(error, RainwindError) else f"{type(error).__name__}: {error}"
+        said = (f"Stay {cable.name} could not be assessed: {reason}",)
+        return StayAnswer(cable, (), (), "failed", said, assumptions, reason)
+    tell(count, f"{cable.name}: done")
+    answer = StayAnswer(cable, tuple(answers), tuple(checks), "doubtful", (), assumptions)
+    answer = replace(answer, verdict=verdict(answer))
+    return replace(answer, sentences=stay_sentences(answer, bridge))
+
+
+def _amplitude_at(answers: list[ModeAnswer], speed: float) -> float:
+    """The largest of the modes' amplitudes at a speed, at the band's high end, m."""
+    found = [np.interp(speed, a.speeds, np.nan_to_num(a.amplitudes[:, 2])) for a in answers]
+    return float(max(found))
+
+
+def _assumptions(bridge: Bridge, cable: Cable) -> Iterator[str]:
+    if cable.assumed:
+        yield f"Not measured, assumed in the input: {', '.join(cable.assumed)}."
+    if cable.axial_stiffness is None:
+        yield (
+            f"Axial stiffness {cable.estimated_axial_stiffness / 1e6:.0f} MN, estimated from the tension: strands at "
+            "40 % of 1860 MPa with 195 GPa."
+        )
+    if bridge.rivulet is None:
+        rivulet = usual_rivulet(cable.diameter)
+        yield (
+            f"Rivulet by the rule for the diameter: {rivulet.mass:.3g} kg/m, {1000 * rivulet.height:.3g} mm high, "
+            f"friction {rivulet.friction:.3g} Nms/m; nobody measured it on this stay."
+        )

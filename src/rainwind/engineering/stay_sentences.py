@@ -1,0 +1,136 @@
+"""What the numbers of a stay mean: its verdict, and sentences an engineer can act on."""
+
+from collections.abc import Iterator, Sequence
+from math import degrees, isfinite
+
+from rainwind.engineering.answers import Band, ModeAnswer, StayAnswer, Verdict
+from rainwind.engineering.bridge import Bridge
+
+__all__ = ["stay_sentences", "verdict"]
+
+_POINTS = ("N", "NE", "E", "SE", "S", "SW", "W", "NW")
+
+
+def verdict(answer: StayAnswer) -> Verdict:
+    """sufficient: model, at its band's high end, and PTI rule find enough damping in every mode; insufficient: the
+    model's middle and the rule both find too little in one mode; doubtful: everything between.
+    """
+    if answer.failure:
+        return "failed"
+    enough = all(_model_enough(mode, high=True) and _rule_enough(mode) for mode in answer.modes)
+    if enough:
+        return "sufficient"
+    short = any(not _model_enough(mode, high=False) and not _rule_enough(mode) for mode in answer.modes)
+    return "insufficient" if short else "doubtful"
+
+
+def _model_enough(mode: ModeAnswer, *, high: bool) -> bool:
+    needed = mode.damping_needed_observed
+    return mode.damping_total >= (needed.high if high else needed.middle)
+
+
+def _rule_enough(mode: ModeAnswer) -> bool:
+    return mode.damping_total >= mode.rule_damping
+
+
+def stay_sentences(answer: StayAnswer, bridge: Bridge) -> tuple[str, ...]:
+    """The answer of one stay in words: range, amplitude, damping, rule against model, remedy."""
+    worst = answer.worst
+    if worst is None:
+        return (f"Stay {answer.cable.name} could not be assessed: {answer.failure}",)
+    return tuple(_said(answer, worst, bridge))
+
+
+def _said(answer: StayAnswer, mode: ModeAnswer, bridge: Bridge) -> Iterator[str]:
+    observed = bridge.limits.observed_speeds
+    yield _range(answer, observed)
+    yield _amplitude(answer, bridge)
+    yield _damping(mode)
+    yield _rule_and_model(mode)
+    if mode.unlimited > 0:
+        yield (
+            f"In {100 * mode.unlimited:.0f} % of the samples mode {mode.number} is still unstable at "
+            f"{bridge.question.speeds[1]:g} m/s: at low damping the model has no upper limit of wind speed. Rivulets "
+            f"have been observed at {observed[0]:g} to {observed[1]:g} m/s."
+        )
+    for one in answer.modes:
+        if one.lost is not None and one.lost.max() >= 0.5:
+            yield (
+                f"In mode {one.number} the rivulet is lost in most samples at some wind speeds before a steady "
+                "vibration is reached: the cable then swings up and comes to rest until another rivulet forms."
+            )
+            break
+
+
+def _range(answer: StayAnswer, observed: Sequence[float]) -> str:
+    hit = [mode for mode in answer.modes if mode.range_low.exists]
+    if not hit:
+        return (
+            "With the damping there is, the model finds no rain-wind vibration at any wind speed looked at."
+        )
+    mode = max(hit, key=lambda one: (one.range_low.share, -one.margin))
+    upper = min(mode.range_high.middle, observed[1])
+    within = (
+        f"; within the observed speeds {max(mode.range_low.middle, observed[0]):.1f} to {upper:.1f} m/s"
+        if upper < mode.range_high.middle
+        else ""
+    )
+    modes = ", ".join(str(one.number) for one in hit)
+    return (
+        f"Rain-wind vibration is possible in mode{'s' if len(hit) > 1 else ''} {modes}: mode {mode.number} from "
+        f"{_band(mode.range_low, 1, '.1f')} to {_band(mode.range_high, 1, '.1f')} m/s{within}, in "
+        f"{100 * mode.range_low.share:.0f} % of the samples, worst with wind from {compass(mode.worst_direction)}."
+    )
+
+
+def _amplitude(answer: StayAnswer, bridge: Bridge) -> str:
+    with_amplitude = [mode for mode in answer.modes if isfinite(mode.amplitude.middle)]
+    if not with_amplitude:
+        return "No sample reaches a steady vibration: the rivulet is lost first."
+    mode = max(with_amplitude, key=lambda one: one.amplitude.high)
+    diameter = answer.cable.diameter
+    if mode.amplitude.high < 0.05 * diameter:
+        return "In time no sample vibrates by more than a twentieth of a diameter."
+    limit = bridge.limits.amplitude_diameters
+    verdict_ = "above" if mode.amplitude.high > limit * diameter else "within"
+    return (
+        f"Amplitude in mode {mode.number}, half peak to peak: {_band(mode.amplitude, 1, '.2f')} m "
+        f"({mode.amplitude.high / diameter:.1f} diameters at the high end, {verdict_} the limit of {limit:g})."
+    )
+
+
+def _damping(mode: ModeAnswer) -> str:
+    needed = mode.damping_needed_observed
+    if not needed.high > 0:
+        return f"Mode {mode.number} needs no damping at the observed wind speeds."
+    return (
+        f"Mode {mode.number} decides: it has {100 * mode.damping_total:.2f} % of critical and needs "
+        f"{_band(needed, 100, '.2f')} % (margin {mode.margin:.2f} at the high end)."
+    )
+
+
+def _rule_and_model(mode: ModeAnswer) -> str:
+    rule, needed = 100 * mode.rule_damping, 100 * mode.damping_needed_observed.middle
+    begin = f"The PTI rule asks for {rule:.2f} %, the model for {needed:.2f} % (middle)"
+    if needed > 1.25 * rule:
+        return (
+            f"{begin}: the model asks for more because the rule's Scruton number knows neither frequency nor rivulet, "
+            "and a slow, easily moved rivulet feeds more energy into a cable of low frequency."
+        )
+    if needed < 0.8 * rule:
+        return (
+            f"{begin}: the rule asks for more because it is one number for all modes and winds, while the model finds "
+            "less energy at this frequency and rivulet friction."
+        )
+    return f"{begin}: they agree."
+
+
+def _band(band: Band, scale: float, digits: str) -> str:
+    low, middle, high = (format(scale * value, digits) for value in (band.low, band.middle, band.high))
+    return f"{middle} ({low} to {high})"
+
+
+def compass(direction: float) -> str:
+    """A direction in words: "SW (230 deg)"."""
+    turned = degrees(direction) % 360.0
+    return f"{_POINTS[round(turned / 45.0) % 8]} ({turned:.0f}°)"
