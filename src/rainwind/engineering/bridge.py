@@ -94,7 +94,7 @@ class Question:
     modes: int = 3
     directions: int = 36
     speeds: tuple[float, float] = (3.0, 40.0)
-    sets: tuple[str, ...] = ("reconstructed", "reconstructed_cubic", "reconstructed_linear")
+    sets: tuple[str, ...] = ("reconstructed", "reconstructed-cubic", "reconstructed-linear")
     samples: int = 8
     seed: int = 1
 

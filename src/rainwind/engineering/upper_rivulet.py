@@ -22,7 +22,7 @@ from rainwind.physics.tilted import SLOPES, SteeperCoefficients
 __all__ = ["UpperRivulet", "upper_rivulets"]
 
 _POINTS = 721  # of phi over the valid range
-_STEP = 1e-5  # rad, of the slope's difference
+_STEP = 1e-6  # rad, of the slope's difference
 _POLISHES = 4
 _ENDLESS = 1e9  # kappa of no wind on earth
 
@@ -101,8 +101,8 @@ def _weight(model: RivuletModel, mass: np.ndarray) -> np.ndarray:
 
 def _moment(coefficients: SteeperCoefficients, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """C_M and its slope C_M' at alpha = -phi."""
-    below, above = (coefficients.at(-phi + step)[2] for step in (-_STEP, _STEP))
-    return 0.5 * (below + above), (above - below) / (2.0 * _STEP)
+    below, value, above = (coefficients.at(-phi + step)[2] for step in (-_STEP, 0.0, _STEP))
+    return value, (above - below) / (2.0 * _STEP)
 
 
 def _branch(
