@@ -5,6 +5,7 @@ from typing import Any
 
 from rainwind.elementary import cos, sin
 from rainwind.physics.letters import Letters
+from rainwind.physics.tension import tension_energy
 
 
 def energy_parts(at: Letters, six: Sequence[Any]) -> dict[str, Any]:
@@ -21,9 +22,11 @@ def energy_parts(at: Letters, six: Sequence[Any]) -> dict[str, Any]:
         q * q * (k / 2 + q * (k2 / 3 + q * k3 / 4))
         for q, k, k2, k3 in ((y, at.k_y, at.k_y2, at.k_y3), (z, at.k_z, at.k_z2, at.k_z3))
     ]
+    if at.k3 is not None:
+        springs.append(tension_energy(at, y, z))
     return {
         "kinetic": (cable + rivulet) / 2,
-        "elastic": springs[0] + springs[1],
+        "elastic": sum(springs[1:], springs[0]),
         "gravity": at.m_r * at.r * at.g_cos_delta * cos(phi + at.beta),
     }
 

@@ -1,6 +1,6 @@
 """The letters of the paper's equations, from parameters by dotted name."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any, NamedTuple
 
 from rainwind.elementary import atan2, cos, sin, sqrt
@@ -14,7 +14,8 @@ class Letters(NamedTuple):
     """The letters of eqs. (1) to (4) at given parameters: numbers or tape symbols.
 
     u_n: of the horizontal wind, as in the paper; u_z, u_up: of all wind in the section's plane, along z and
-    along -y. Without vertical wind they are u_n and 0.
+    along -y. Without vertical wind they are u_n and 0. k3: of the tension spring, None without one; s: its offset
+    by the sag, along (s_y, s_z), which is down.
     """
 
     rho: Any
@@ -36,10 +37,14 @@ class Letters(NamedTuple):
     k_z: Any
     k_z2: Any
     k_z3: Any
+    k3: Any = None
+    s: Any = 0.0
+    s_y: Any = 0.0
+    s_z: Any = 0.0
 
 
-def letters(p: Mapping[str, Any], *, ratio_y_apart: bool, ratio_z_apart: bool) -> Letters:
-    """The letters from the parameters p; `_apart`: p has a damping ratio of its own for that direction."""
+def letters(p: Mapping[str, Any], given: Collection[str] = ()) -> Letters:
+    """The letters from the parameters p; given: those of the section's fields `OPTIONAL` that p has."""
     gamma, delta = p["wind.yaw"], p["section.inclination"]
     normal = sqrt(cos(gamma) * cos(gamma) + sin(gamma) * sin(gamma) * (sin(delta) * sin(delta)))
     u_n = p["wind.speed"] * normal
@@ -47,8 +52,9 @@ def letters(p: Mapping[str, Any], *, ratio_y_apart: bool, ratio_z_apart: bool) -
     lifting = p["wind.vertical_speed"] * cos(delta) / normal
     m_s, f_y, f_z = p["section.mass"], p["section.frequency_y"], p["section.frequency_z"]
     follows = "section.damping_ratio"
-    xi_y = p["section.damping_ratio_y" if ratio_y_apart else follows]
-    xi_z = p["section.damping_ratio_z" if ratio_z_apart else follows]
+    xi_y = p["section.damping_ratio_y" if "damping_ratio_y" in given else follows]
+    xi_z = p["section.damping_ratio_z" if "damping_ratio_z" in given else follows]
+    s = p["section.sag_offset"] if "sag_offset" in given else 0.0
     return Letters(
         rho=p["wind.density"],
         u_n=u_n,
@@ -70,4 +76,9 @@ def letters(p: Mapping[str, Any], *, ratio_y_apart: bool, ratio_z_apart: bool) -
         k_z=stiffness(m_s, f_z),
         k_z2=p["section.k2_z"],
         k_z3=p["section.k3_z"],
+        k3=p["section.k3"] if "k3" in given else None,
+        s=s,
+        # down is opposite to the cable's top at phi = -beta
+        s_y=s * cos(gamma) / normal,
+        s_z=-s * (sin(gamma) * sin(delta)) / normal,
     )

@@ -15,8 +15,9 @@ from rainwind.physics.coefficients import OUTSIDE, CoefficientSet, Outside, chec
 from rainwind.physics.energy import energy_parts, power_parts
 from rainwind.physics.letters import Letters, letters
 from rainwind.physics.rivulet import Rivulet
-from rainwind.physics.section import CableSection
+from rainwind.physics.section import OPTIONAL, CableSection
 from rainwind.physics.static_balance import Equilibria, find_all_equilibria
+from rainwind.physics.tension import tension_forces
 from rainwind.physics.wind import Wind
 
 
@@ -28,7 +29,7 @@ class RivuletModel:
     degrees_of_freedom: 3 (y, phi, z) or 2 (y, phi). angle: "arctan", the exact alpha_v of eq. (3), or
     "linear", its right-hand form. relative_speed: "wind", U_rel = U_n as in the paper, or "full", with the
     velocities of cable and rivulet. All numbers in SI and rad. Raises InputError.
-    Source: Peil & Nahrath (2003), section 2.
+    Source: Peil & Nahrath (2003), section 2; section.k3, the tension of a string, is ours (docs/theory.md).
     """
 
     wind: Wind
@@ -82,7 +83,7 @@ class RivuletModel:
         """Everything that `rhs` depends on besides x and p; equal keys mean equal right-hand sides."""
         return (
             "RivuletModel", self.coefficients, self.outside, self.degrees_of_freedom, self.angle,
-            self.relative_speed, self._own_ratios,
+            self.relative_speed, self._given,
         )  # fmt: skip
 
     @property
@@ -101,10 +102,7 @@ class RivuletModel:
 
     def letters(self, p: Mapping[str, Any]) -> Letters:
         """The letters of eqs. (1) to (4) from the parameters p, indexable by dotted name."""
-        own = self.section
-        return letters(
-            p, ratio_y_apart=own.damping_ratio_y is not None, ratio_z_apart=own.damping_ratio_z is not None
-        )
+        return letters(p, self._given)
 
     def angle_of_attack(self, x: Sequence[Any], p: Mapping[str, Any]) -> Any:
         """alpha in rad, not wrapped, at the states x (in order) and parameters p, eq. (3)."""
@@ -127,13 +125,14 @@ class RivuletModel:
         s, c = sin(phi), cos(phi)
         m, m_r, r = at.m_s + at.m_r, at.m_r, at.r
         centrifugal = m_r * r * phi_dot * phi_dot
+        t_y, t_z = (0.0, 0.0) if at.k3 is None else tension_forces(at, y, z)
         # the rows of eq. (4) without their second derivatives
-        p_y = f_y - at.d_y * y_dot - y * (at.k_y + y * (at.k_y2 + y * at.k_y3)) - c * centrifugal
+        p_y = f_y - at.d_y * y_dot - y * (at.k_y + y * (at.k_y2 + y * at.k_y3)) - c * centrifugal - t_y
         p_phi = m_phi - at.d_phi * phi_dot + m_r * r * at.g_cos_delta * sin(phi + at.beta)
         if self.degrees_of_freedom == 2:
             phi_ddot = (p_phi / (m_r * r) - s * p_y / m) / (r * (at.m_s + m_r * c * c) / m)
             return (y_dot, phi_dot, (p_y - m_r * r * s * phi_ddot) / m, phi_ddot)
-        p_z = f_z - at.d_z * z_dot - z * (at.k_z + z * (at.k_z2 + z * at.k_z3)) - s * centrifugal
+        p_z = f_z - at.d_z * z_dot - z * (at.k_z + z * (at.k_z2 + z * at.k_z3)) - s * centrifugal - t_z
         phi_ddot = (p_phi / (m_r * r) - (s * p_y - c * p_z) / m) / (r * at.m_s / m)
         y_ddot = (p_y - m_r * r * s * phi_ddot) / m
         z_ddot = (p_z + m_r * r * c * phi_ddot) / m
@@ -186,7 +185,8 @@ class RivuletModel:
         The result reads like an array of shape (k, n), and says whether it is certified to be complete.
         phi lies in (-pi/2, 3 pi/2] with outside="blend", -alpha in (-pi, pi] with "extend" and "refuse" (without
         vertical wind -alpha is phi); with "refuse", those outside the valid range are left out. Raises InputError
-        for unknown names. Source: Peil & Nahrath (2003), section 4.1, eq. (6).
+        for unknown names, and for a tension spring with which the cable may have several rest positions.
+        Source: Peil & Nahrath (2003), section 4.1, eq. (6).
         """
         at = self.letters(self._merged(parameters))
         alpha_v, u_rel_squared = self._inflow(at, 0.0, 0.0, 0.0, 0.0)
@@ -213,9 +213,9 @@ class RivuletModel:
         )
 
     @property
-    def _own_ratios(self) -> tuple[bool, bool]:
-        """Whether y and z have damping ratios of their own."""
-        return self.section.damping_ratio_y is not None, self.section.damping_ratio_z is not None
+    def _given(self) -> tuple[str, ...]:
+        """The section's optional fields that are given: damping ratios of their own, the tension spring."""
+        return tuple(name for name in OPTIONAL if getattr(self.section, name) is not None)
 
     def _merged(self, parameters: Mapping[str, float] | None) -> dict[str, float]:
         merged = self.parameters

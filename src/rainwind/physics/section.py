@@ -4,7 +4,12 @@ from dataclasses import dataclass
 from math import pi
 from typing import Any
 
+from rainwind.errors import InputError
 from rainwind.physics.checks import finite_number, not_negative, positive, radians_between
+from rainwind.physics.convexity import least_slope, need_one_rest_position
+
+OPTIONAL = ("damping_ratio_y", "damping_ratio_z", "k3", "sag_offset")
+"""Fields of a section that are None where they are not given, and then no parameters."""
 
 
 def stiffness(mass: Any, frequency: Any) -> Any:
@@ -24,6 +29,9 @@ class CableSection:
     diameter (m), mass (kg/m), frequency_y and frequency_z (Hz), damping_ratio (1 = critical),
     damping_ratio_y and damping_ratio_z (None: follow damping_ratio), inclination delta (rad, 0 to pi/2),
     k2_y, k2_z (N/m³) and k3_y, k3_z (N/m⁴): springs k q + k2 q² + k3 q³ per metre of cable.
+    k3 (N/m⁴) and sag_offset s (m): the spring of a string, k3 (s v + (y² + z²)/2)² in J per metre of cable, v in the
+    cable's vertical plane, positive down (None: there is none; s None: 0). With it k3 >= 0, and k3 s² must stay
+    below the least stiffness of y and z: the cable may not snap through.
     The damping ratio is 0.2 % (printed: 2 %, a misprint by section 5). Raises InputError.
     """
 
@@ -39,6 +47,8 @@ class CableSection:
     k3_y: float = 0.00115
     k2_z: float = 0.0
     k3_z: float = 0.00115
+    k3: float | None = None
+    sag_offset: float | None = None
 
     def __post_init__(self) -> None:
         set_ = object.__setattr__
@@ -50,6 +60,18 @@ class CableSection:
         set_(self, "inclination", radians_between("section.inclination", self.inclination, 0.0, pi / 2))
         for name in ("k2_y", "k3_y", "k2_z", "k3_z"):
             set_(self, name, finite_number(f"section.{name}", getattr(self, name)))
+        for name in ("k3", "sag_offset"):
+            if getattr(self, name) is not None:
+                set_(self, name, not_negative(f"section.{name}", getattr(self, name)))
+        if self.k3 is not None:
+            slope_y = least_slope(self.stiffness_y, self.k2_y, self.k3_y)
+            slope_z = least_slope(self.stiffness_z, self.k2_z, self.k3_z)
+            need_one_rest_position(self.k3, self.sag_offset or 0.0, slope_y, slope_z)
+        elif self.sag_offset is not None:
+            raise InputError(
+                f"section.sag_offset = {self.sag_offset:g} acts through section.k3, which is not given; give "
+                "section.k3, or leave section.sag_offset out"
+            )
 
     @property
     def stiffness_y(self) -> float:

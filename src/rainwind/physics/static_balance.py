@@ -11,10 +11,12 @@ import numpy as np
 
 from rainwind.elementary import cos, sin
 from rainwind.physics.coefficients import CoefficientSet, Outside
+from rainwind.physics.convexity import least_slope, need_one_rest_position
 from rainwind.physics.intervals import Box
 from rainwind.physics.letters import Letters
 from rainwind.physics.root_isolation import Bracket, isolate_roots, polished_root
 from rainwind.physics.spring import rest_positions
+from rainwind.physics.tension import rest_position
 
 _BOXES = 1024
 # the raw curves are searched a little beyond (-pi, pi], so that a root at pi is inside
@@ -63,23 +65,33 @@ def find_all_equilibria(
     wind alone, (0, U_n²) without vertical wind, so that phi stands alone.
 
     g(phi) = ½ rho d² U_rel² C_M(alpha_v - phi) + m_R r g cos(delta) sin(phi + beta) = 0, then
-    k q + k2 q² + k3 q³ = F for y and z; every combination is an equilibrium. phi runs over (-pi/2, 3 pi/2] with
-    periodic coefficients (in the order of the paper's figure 5: the lower rivulet last); with raw ones
-    phi - alpha_v runs over (-pi, pi].
+    k q + k2 q² + k3 q³ = F for y and z; every combination is an equilibrium. With a tension spring y and z have
+    one position for each phi (InputError where that is not proven: `need_one_rest_position`).
+    phi runs over (-pi/2, 3 pi/2] with periodic coefficients (in the order of the paper's figure 5: the lower
+    rivulet last); with raw ones phi - alpha_v runs over (-pi, pi].
     """
     alpha_v, u_rel_squared = inflow
     angles, unresolved = _rivulet_angles(at, inflow, coefficients, outside)
     q_d = 0.5 * float(at.rho * at.d * u_rel_squared)
     s, c = float(sin(alpha_v)), float(cos(alpha_v))
     rows: list[tuple[float, ...]] = []
+    if at.k3 is not None:
+        slopes = (least_slope(at.k_y, at.k_y2, at.k_y3), least_slope(at.k_z, at.k_z2, at.k_z3))
+        need_one_rest_position(at.k3, at.s, *slopes)
     for phi in angles:
         c_l, c_d, _ = coefficients.at(-phi + alpha_v, outside)
-        ys, double_ys = rest_positions(float(at.k_y), at.k_y2, at.k_y3, float(-q_d * (c_l * c + c_d * s)))
+        f_y, f_z = float(-q_d * (c_l * c + c_d * s)), float(q_d * (c_d * c - c_l * s))
+        if at.k3 is not None:
+            y, z, held = rest_position(at, f_y, f_z, degrees_of_freedom)
+            unresolved += [] if held else [("y", y, y)]
+            rows.append((y, phi, 0.0, 0.0) if degrees_of_freedom == 2 else (y, phi, z, 0.0, 0.0, 0.0))
+            continue
+        ys, double_ys = rest_positions(float(at.k_y), at.k_y2, at.k_y3, f_y)
         unresolved += [("y", y, y) for y in double_ys]
         if degrees_of_freedom == 2:
             rows += [(y, phi, 0.0, 0.0) for y in ys]
             continue
-        zs, double_zs = rest_positions(float(at.k_z), at.k_z2, at.k_z3, float(q_d * (c_d * c - c_l * s)))
+        zs, double_zs = rest_positions(float(at.k_z), at.k_z2, at.k_z3, f_z)
         unresolved += [("z", z, z) for z in double_zs]
         rows += [(y, phi, z, 0.0, 0.0, 0.0) for y, z in product(ys, zs)]
     two = degrees_of_freedom == 2
