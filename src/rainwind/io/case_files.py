@@ -4,6 +4,7 @@ from pathlib import Path
 
 from rainwind.errors import InputError
 from rainwind.io.schema import NUMBERS, OPTIONS, SCHEMA, TABLES
+from rainwind.io.toml_values import toml_value
 from rainwind.io.units import written
 from rainwind.physics.coefficient_files import load_coefficients, shipped_sets
 from rainwind.physics.coefficients import CoefficientSet
@@ -34,10 +35,10 @@ def new_case_text() -> str:
         for item in NUMBERS:
             if item.table == table and item.shown:
                 suffix, value = written(item.sample, item.kind)
-                rows.append((f"{item.name}_{suffix} = {_plain(value)}", item.comment))
+                rows.append((f"{item.name}_{suffix} = {toml_value(value)}", item.comment))
         for option in OPTIONS:
             if option.table == table and option.shown:
-                rows.append((f"{option.name} = {_plain(option.sample)}", option.comment))
+                rows.append((f"{option.name} = {toml_value(option.sample)}", option.comment))
         width = max(len(row[0]) for row in rows)
         lines = [f"{text:<{width}}  # {comment}" for text, comment in rows]
         blocks.append("\n".join([f"[{table}]  {_TITLES[table]}".rstrip(), *lines]) + "\n")
@@ -56,13 +57,13 @@ def case_text(model: RivuletModel, coefficients: str | None = None) -> str:
         value = getattr(records[item.table], item.field, None)
         if value is not None:
             suffix, shown = written(value, item.kind)
-            rows[item.table].append(f"{item.name}_{suffix} = {_plain(shown)}")
+            rows[item.table].append(f"{item.name}_{suffix} = {toml_value(shown)}")
     chosen = {"set": coefficients} if coefficients else _shipped_names(model.coefficients)
-    rows["coefficients"] = [f"{key} = {_plain(name)}" for key, name in chosen.items()]
-    rows["coefficients"].append(f"outside = {_plain(model.outside)}")
+    rows["coefficients"] = [f"{key} = {toml_value(name)}" for key, name in chosen.items()]
+    rows["coefficients"].append(f"outside = {toml_value(model.outside)}")
     for option in OPTIONS:
         if option.table == "model":
-            rows["model"].append(f"{option.name} = {_plain(getattr(model, option.name))}")
+            rows["model"].append(f"{option.name} = {toml_value(getattr(model, option.name))}")
     blocks = ["\n".join([f"[{table}]", *lines]) for table, lines in rows.items()]
     return "\n\n".join([f"schema = {SCHEMA}", *blocks]) + "\n"
 
@@ -93,9 +94,3 @@ def write_case(
     if path.exists() and not force:
         raise InputError(f"{path}: exists already; choose another name or force to overwrite")
     path.write_text(case_text(model, coefficients), encoding="utf-8")
-
-
-def _plain(value: float | int | str) -> str:
-    if isinstance(value, str):
-        return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
-    return repr(value)

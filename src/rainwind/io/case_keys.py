@@ -8,6 +8,7 @@ from typing import Any
 from rainwind.errors import InputError
 from rainwind.io.faults import Faults, Place
 from rainwind.io.schema import SCHEMA, SECTION_KEYS, Keys, Number, Option
+from rainwind.io.toml_values import toml_value
 from rainwind.io.units import from_text, has_decimal_comma, number, to_si, unit_text, written
 
 __all__ = ["Given", "advice", "check_top", "name_of", "nearest", "read_table", "refusal"]
@@ -25,11 +26,14 @@ def check_top(content: dict[str, Any], faults: Faults, keys: Keys = SECTION_KEYS
             continue
         if key not in keys.tables:
             kind = "table" if isinstance(value, dict) or _is_tables(value) else "key"
-            advice = _home(key, keys) or nearest(key, keys.tables, "tables")
-            faults.add(f"unknown {kind} '{key}'; {advice}", key)
+            other = "it belongs to the case of one section, which has no [bridge], [cable] or [stays]"
+            known = other if key in SECTION_KEYS.tables else _home(key, keys)
+            faults.add(f"unknown {kind} '{key}'; {known or nearest(key, keys.tables, 'tables')}", key)
         elif isinstance(value, list) and key in keys.arrays:
             if not _is_tables(value):
-                faults.add(f"'{key}' is no list of tables; write [[{key}]] and its keys below, once for each", key)
+                faults.add(
+                    f"'{key}' is no list of tables; write [[{key}]] and its keys below, once for each", key
+                )
         elif not isinstance(value, dict):
             faults.add(f"'{key}' is no table; write [{key}] and its keys on the lines below", key)
 
@@ -82,7 +86,7 @@ def read_table(
             place.add(f"{place.label} {_missing(item, numbers, found)}")
     for name, option in options.items():
         if option.required and name not in there:
-            place.add(f"{place.label} has no {name}; add for example {name} = {_plain(option.sample)}")
+            place.add(f"{place.label} has no {name}; add for example {name} = {toml_value(option.sample)}")
     return values
 
 
@@ -105,15 +109,17 @@ def _option(option: Option, value: Any) -> Any:
     """What stands there, checked by its form."""
     given = f"{option.name} = {value!r}"
     if option.form == "text" and (not isinstance(value, str) or not value.strip()):
-        raise InputError(f"{given} is no text; write {option.name} = {_plain(option.sample)}")
+        raise InputError(f"{given} is no text; write {option.name} = {toml_value(option.sample)}")
     if option.form == "texts":
         if not isinstance(value, list) or not all(isinstance(item, str) and item.strip() for item in value):
-            raise InputError(f"{given} is no list of texts; write {option.name} = {_plain(option.sample)}")
+            raise InputError(
+                f"{given} is no list of texts; write {option.name} = {toml_value(option.sample)}"
+            )
         return tuple(value)
     if option.form == "count" and (isinstance(value, bool) or not isinstance(value, int)):
-        raise InputError(f"{given} is no whole number; write {option.name} = {_plain(option.sample)}")
+        raise InputError(f"{given} is no whole number; write {option.name} = {toml_value(option.sample)}")
     if option.choices and option.form and value not in option.choices:
-        raise InputError(f"{given} is not known; {nearest(value, option.choices, 'words')}")
+        raise InputError(f"{given} is not known; {nearest(str(value), option.choices, 'words')}")
     if option.form == "number":
         try:
             return number(value)
@@ -164,13 +170,6 @@ def _example(item: Number) -> str:
     """The sample case's number: an example of a mass must not be a cable's where a rivulet's is missing."""
     suffix, value = written(item.sample, item.kind)
     return f'{item.name}_{suffix} = {value:g} or {item.name} = "{value:g} {unit_text(suffix)}"'
-
-
-def _plain(sample: Any) -> str:
-    """A sample as TOML."""
-    if isinstance(sample, tuple):
-        return f"[{', '.join(_plain(one) for one in sample)}]"
-    return f'"{sample}"' if isinstance(sample, str) else repr(sample)
 
 
 def advice(table: str, key: str, keys: Keys) -> str:

@@ -19,7 +19,7 @@ from rainwind.physics.rivulet import Rivulet
 from rainwind.physics.section import CableSection
 from rainwind.physics.wind import Wind
 
-__all__ = ["given_numbers", "model_from_text", "read_case"]
+__all__ = ["case_content", "case_file_text", "given_numbers", "model_from_text", "read_case"]
 
 _DEFAULT_SET = "reconstructed"
 _RECORDS = {"wind": Wind, "section": CableSection, "rivulet": Rivulet}
@@ -32,13 +32,13 @@ def read_case(path: Path | str) -> RivuletModel:
     keys, wrong units, values that the physics refuses.
     """
     path = Path(path)
-    return model_from_text(_text_of(path), name=str(path), folder=path.parent)
+    return model_from_text(case_file_text(path), name=str(path), folder=path.parent)
 
 
 def given_numbers(path: Path | str) -> dict[tuple[str, str], Given]:
     """(Table, name without unit) -> what the case file at `path` gives there, as it is written. Raises CaseError."""
     path = Path(path)
-    content = tomllib.loads(_text_of(path))
+    content = tomllib.loads(case_file_text(path))
     faults = Faults(str(path), {})
     return {
         (table, name): given
@@ -52,10 +52,7 @@ def model_from_text(text: str, name: str = "case", folder: Path | None = None) -
 
     Raises CaseError as `read_case` does.
     """
-    try:
-        content = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise CaseError(f"{name}: not a TOML file: {error}; {_remedy(text, error)}") from error
+    content = case_content(text, name)
     faults = Faults(name, key_lines(text))
     check_top(content, faults)
     values = {table: read_table(table, content.get(table, {}), faults.part(table)) for table in TABLES}
@@ -73,6 +70,14 @@ def model_from_text(text: str, name: str = "case", folder: Path | None = None) -
         raise
 
 
+def case_content(text: str, name: str) -> dict[str, Any]:
+    """What the TOML text says. Raises CaseError where it is no TOML."""
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise CaseError(f"{name}: not a TOML file: {error}; {_remedy(text, error)}") from error
+
+
 def _remedy(text: str, error: tomllib.TOMLDecodeError) -> str:
     place = re.search(r"at line (\d+)", str(error))
     line = text.splitlines()[int(place[1]) - 1] if place else ""
@@ -80,7 +85,8 @@ def _remedy(text: str, error: tomllib.TOMLDecodeError) -> str:
     return "write a decimal point, not a comma" if equals and has_decimal_comma(value) else "correct it there"
 
 
-def _text_of(path: Path) -> str:
+def case_file_text(path: Path) -> str:
+    """The text of a case file. Raises CaseError where it cannot be read."""
     try:
         return path.read_text(encoding="utf-8-sig")
     except FileNotFoundError as error:
