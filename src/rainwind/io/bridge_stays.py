@@ -230,13 +230,13 @@ def _beyond_mid_span(one: _Damper, name: str, values: dict[str, Given]) -> bool:
 
 
 def _assumed(stay: _Stay, defaults: dict[str, Given]) -> tuple[str, ...]:
-    """What the stay says, what its defaults say of the values it takes, and what the program fills in."""
-    own = list(stay.values["assumed"].value) if "assumed" in stay.values else []
-    taken = [
-        name
-        for name in (defaults["assumed"].value if "assumed" in defaults else ())
-        if name not in stay.values and not (name == "dampers" and stay.dampers)
-    ]
+    """What the stay says, what the defaults say of it, and what the program fills in.
+
+    A stay's own value is not assumed only because the default that it replaces is.
+    """
+    own = stay.values["assumed"].value if "assumed" in stay.values else ()
+    of_all = defaults["assumed"].value if "assumed" in defaults else ()
+    taken = [name for name in of_all if not (name in stay.values and name in defaults)]
     filled = [name for name in _FILLED_IN if name not in stay.values and name not in defaults]
     return tuple(dict.fromkeys([*own, *taken, *filled]))
 
