@@ -49,6 +49,9 @@ def test_every_line_of_the_example_says_what_it_is():
         ("damping_percent", "damping_y_percent = 1\ndamping_z_percent = 2", "section.damping_ratio_z", 0.02),
         ("damping_percent", "damping_percent = 1\ndamping_y_percent = 3", "section.damping_ratio_y", 0.03),
         ("k3_y_N_m4", "", "section.k3_y", 0.0),
+        ("k3_y_N_m4", "k3_N_m4 = 90\nk3_y_N_m4 = 2", "section.k3", 90.0),
+        ("k3_y_N_m4", "k3_N_m4 = 90\nk3_y_N_m4 = 2", "section.k3_y", 2.0),
+        ("k2_z_N_m3", 'sag_offset = "12 cm"\nk3 = "90 N/m^4"', "section.sag_offset", 0.12),
     ],
 )
 def test_units_and_what_may_be_left_out(key: str, line: str, parameter: str, value: float):
@@ -96,6 +99,8 @@ def test_a_coefficient_file_is_looked_for_beside_the_case(tmp_path):
         replace(
             paper_model(), section=replace(paper_model().section, damping_ratio_y=0.003, frequency_z=1.1)
         ),
+        replace(paper_model(), section=replace(paper_model().section, k3=123.4)),
+        replace(paper_model(), section=replace(paper_model().section, k3=123.4, sag_offset=0.0567)),
         replace(
             paper_model(),
             coefficients=load_coefficients("gu-lu-2001-lift-drag").with_moment_of(
@@ -103,7 +108,7 @@ def test_a_coefficient_file_is_looked_for_beside_the_case(tmp_path):
             ),
         ),
     ],
-    ids=["paper", "two", "options", "odd numbers", "apart", "moment of another"],
+    ids=["paper", "two", "options", "odd numbers", "apart", "taut", "sagging", "moment of another"],
 )
 def test_a_written_case_reads_back_as_the_same_model(model, tmp_path):
     path = tmp_path / "case.toml"
@@ -119,8 +124,39 @@ def test_a_case_is_not_overwritten_unasked(tmp_path):
     write_case(paper_model(), path, force=True)
 
 
+def test_what_is_left_out_is_no_parameter():
+    left_out = {"section.k3", "section.sag_offset"}
+    assert not left_out & set(model_from_text(EXAMPLE).parameters)
+    assert not any(word in case_text(paper_model()) for word in ("k3_N_m4", "sag_offset"))
+
+
 # key whose line is replaced, the line, words of the message
 FAULTS = {
+    "sag without tension": (
+        "k2_z_N_m3",
+        "sag_offset_mm = 50",
+        ["line 11", "section.sag_offset = 0.05 acts through section.k3", "give section.k3"],
+    ),
+    "a negative sag": (
+        "k2_z_N_m3",
+        "sag_offset_mm = -50\nk3_N_m4 = 90",
+        ["line 19", "sag_offset_mm = -50", "must be 0 or more"],
+    ),
+    "a cable that snaps through": (
+        "k2_z_N_m3",
+        "sag_offset_m = 7\nk3_N_m4 = 90",
+        ["line 11", "section.sag_offset = 7 m", "would snap through", "must stay below 1973"],
+    ),
+    "a tension that softens": (
+        "k2_z_N_m3",
+        "k3_N_m4 = -90",
+        ["line 19", "k3_N_m4 = -90", "must be 0 or more"],
+    ),
+    "a quadratic spring alone": (
+        "k3_y_N_m4",
+        "k3_N_m4 = 90",
+        ["line 11", "the one in y gets ever softer", "section.k2_y = 0"],
+    ),
     "unknown key": (
         "speed_m_s",
         "speed_m_s = 9\nsped_m_s = 9",

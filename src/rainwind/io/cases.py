@@ -109,8 +109,9 @@ def _record(table: str, values: dict[str, Given], faults: Faults) -> Any:
     refused = False
     for name, given in values.items():
         item = numbers[name]
+        through = {"k3": 0.0} if item.field == "sag_offset" else {}  # means nothing without
         try:
-            _RECORDS[table](**_fields(table, sample | {item.field: given.value}))
+            _RECORDS[table](**_fields(table, sample | through | {item.field: given.value}))
         except InputError as error:
             refused = True
             faults.add(refusal(item, given, error), table, given.key)
