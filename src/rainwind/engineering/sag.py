@@ -29,6 +29,8 @@ __all__ = [
 CROSSOVER = 4 * pi**2
 """lambda² at which modes 1 and 2 in plane have the same frequency (a string's)."""
 
+_ROUNDING = 1e-14
+
 
 def weight_ratio(cable: Cable) -> float:
     """m g L cos(theta) / H: the weight across the chord over the tension along it; eight times sag over length."""
@@ -78,5 +80,7 @@ def sagging_wave_number(mode: int, lambda2: float, epsilon: float = 0.0, ends: E
         integral = c + a * 2 / p * tanh(p / 2) + 2 / q * sin(q / 2)
         return (q * q + epsilon * q**4) * c - lambda2 * integral
 
-    # where the sag changes less than rounding does, both signs may be the same: then it is `low`
+    # both ends are roots without sag: where it changes less than rounding does, the signs there are chance
+    if lambda2 <= _ROUNDING * (high * high + epsilon * high**4) * high * high:
+        return low
     return polished_root(balance, (low, high))
