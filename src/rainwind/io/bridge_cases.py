@@ -13,10 +13,11 @@ from rainwind.io.case_keys import Given, check_top, read_table, refusal
 from rainwind.io.cases import case_content, case_file_text
 from rainwind.io.faults import Faults
 from rainwind.io.lines import key_lines
+from rainwind.io.usual_bridge import unusual_bridge
 from rainwind.physics.coefficient_files import load_coefficients, shipped_sets
 from rainwind.physics.rivulet import Rivulet
 
-__all__ = ["bridge_from_text", "is_bridge_case", "read_bridge"]
+__all__ = ["bridge_from_text", "is_bridge_case", "read_bridge", "unusual_bridge"]
 
 _SMALL = 65536  # bytes of a file of records that are looked at
 

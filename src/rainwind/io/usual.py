@@ -12,7 +12,16 @@ from rainwind.io.schema import NUMBERS
 from rainwind.io.units import KINDS, Kind, unit_text, written
 from rainwind.physics.model import RivuletModel
 
-__all__ = ["FASTEST", "USUAL", "Range", "impossible", "unusual", "unusual_value"]
+__all__ = [
+    "FASTEST",
+    "USUAL",
+    "Range",
+    "impossible",
+    "is_usual",
+    "unusual",
+    "unusual_value",
+    "usual_sentence",
+]
 
 FASTEST = 100.0  # m/s: no wind that a bridge has seen is faster; a number above it is a slip
 
@@ -58,7 +67,7 @@ USUAL = {
     ),
 }
 # above solid steel, because dampers and ice add mass to a real stay
-_SOLID = Range(1000.0, 10000.0, "water has 1000, solid steel 7850 kg/m3")
+SOLID = Range(1000.0, 10000.0, "water has 1000, solid steel 7850 kg/m3")
 
 
 def unusual(model: RivuletModel, given: Mapping[tuple[str, str], Given] | None = None) -> list[str]:
@@ -77,19 +86,19 @@ def _sentences(model: RivuletModel, given: Mapping[tuple[str, str], Given]) -> I
     for name, usual in USUAL.items():
         hidden = (both and name == "section.frequency_z") or (apart and name == "section.damping_ratio")
         value = values.get(name)
-        if value is None or hidden or _is_usual(value, usual):
+        if value is None or hidden or is_usual(value, usual):
             continue
         table, _, field = name.partition(".")
         key, kind = _key(table, field)
         if both and field == "frequency_y":
             key = "frequency"
         quoted, suffix = _quoted(key, value, kind, given.get((table, key)))
-        yield _sentence(f"[{table}] {quoted}", usual, kind, suffix)
+        yield usual_sentence(f"[{table}] {quoted}", usual, kind, suffix)
     density = section.mass / (pi / 4 * section.diameter**2)
-    if not _is_usual(density, _SOLID):
-        yield _sentence(
+    if not is_usual(density, SOLID):
+        yield usual_sentence(
             f"[section] mass and diameter make a cable of {density:.3g} kg/m3",
-            _SOLID,
+            SOLID,
             KINDS["density"],
             "kg_m3",
         )
@@ -120,13 +129,14 @@ def impossible(model: RivuletModel) -> str:
 def unusual_value(name: str, value: float) -> str:
     """What is usual for a parameter by its dotted name, where a value in SI is outside of that; else empty."""
     usual = USUAL.get(name)
-    if usual is None or _is_usual(value, usual):
+    if usual is None or is_usual(value, usual):
         return ""
     kind = _key(*name.split(".", 1))[1]
-    return _sentence("", usual, kind, kind.preferred)
+    return usual_sentence("", usual, kind, kind.preferred)
 
 
-def _is_usual(value: float, usual: Range) -> bool:
+def is_usual(value: float, usual: Range) -> bool:
+    """Whether the size of a value in SI lies in the range."""
     slack = 1e-9
     size = abs(value)
     return (usual.zero and size == 0) or usual.low * (1 - slack) <= size <= usual.high * (1 + slack)
@@ -146,7 +156,8 @@ def _quoted(key: str, value: float, kind: Kind, given: Given | None) -> tuple[st
     return f"{given.key} = {given.raw!r}", given.key[len(key) + 1 :]
 
 
-def _sentence(given: str, usual: Range, kind: Kind, suffix: str) -> str:
+def usual_sentence(given: str, usual: Range, kind: Kind, suffix: str) -> str:
+    """What was given, that it is unusual, and what is usual in the unit of `suffix`."""
     low, high = (_in_unit(bound, kind, suffix) for bound in (usual.low, usual.high))
     nothing = "0 or " if usual.zero else ""
     unit = unit_text(suffix) if suffix != "ratio" else ""
