@@ -25,8 +25,10 @@ def test_the_sample_case_is_usual():
 
 
 def test_every_range_has_a_reason_and_is_of_a_parameter():
-    apart = model_from_text(with_line("damping_percent", "damping_y_percent = 1\ndamping_z_percent = 2"))
-    assert set(USUAL) <= set(apart.parameters)
+    ratios = "damping_y_percent = 1\ndamping_z_percent = 2"
+    everything = model_from_text(with_line("damping_percent", f"{ratios}\nk3_N_m4 = 100\nsag_offset_mm = 50"))
+    assert unusual(everything) == []
+    assert set(USUAL) <= set(everything.parameters)
     assert all(0 < usual.low < usual.high and usual.why for usual in USUAL.values())
 
 
@@ -53,6 +55,16 @@ def test_every_range_has_a_reason_and_is_of_a_parameter():
             "[wind] vertical_speed_m_s = -20, which is unusual: usual is 0 or 0.01 to 10",
         ),
         ("density_kg_m3", "density_kg_m3 = 1225", "[wind] density_kg_m3 = 1225"),
+        (
+            "k2_z_N_m3",
+            "k3_N_m4 = 2e-3",
+            "[section] k3_N_m4 = 0.002, which is unusual: usual is 0 or 0.1 to 1e+06",
+        ),
+        (
+            "k2_z_N_m3",
+            "k3_N_m4 = 2\nsag_offset_m = 20",
+            "[section] sag_offset_mm = 20000, which is unusual: usual is 0 or 0.5 to 5000 mm",
+        ),
     ],
 )
 def test_unusual_numbers(key: str, line: str, words: str):

@@ -60,6 +60,12 @@ USUAL = {
     "section.inclination": Range(
         radians(5.0), pi / 2, f"a smaller one is most likely meant in radians ({_JUDGED})", zero=True
     ),
+    "section.k3": Range(
+        0.1, 1e6, f"EA (n pi)^4 / (4 L^4) of stays of 50 to 500 m, modes 1 to 5 ({_JUDGED})", zero=True
+    ),
+    "section.sag_offset": Range(
+        0.0005, 5.0, f"about the sag in the first mode, less in higher ones ({_JUDGED})", zero=True
+    ),
     "rivulet.mass": Range(0.002, 1.0, f"water some millimetres high and some centimetres wide ({_JUDGED})"),
     "rivulet.height": Range(0.0005, 0.02, f"surface tension holds no higher rivulet ({_JUDGED})"),
     "rivulet.friction": Range(
