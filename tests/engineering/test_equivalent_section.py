@@ -1,5 +1,9 @@
 """The section has the numbers of the stay and its mode, and swings as the mode does."""
 
+from dataclasses import replace
+from math import pi
+
+import numpy as np
 import pytest
 
 from rainwind.engineering.cable import Cable
@@ -26,11 +30,39 @@ def test_numbers_are_those_of_the_stay_and_the_mode():
         "section.frequency_y": cable_mode(CABLE, 2).frequency_out, "section.damping_ratio": 0.003,
         "section.frequency_z": cable_mode(CABLE, 2).frequency_out, "section.inclination": 0.5,
         "section.k2_y": 0.0, "section.k3_y": 0.0, "section.k2_z": 0.0, "section.k3_z": 0.0,
+        "section.k3": cable_mode(CABLE, 2).k3, "section.sag_offset": 0.0,
         "rivulet.mass": 0.3, "rivulet.height": 0.008, "rivulet.friction": 0.04,
     }  # fmt: skip
     assert {name: found.parameters[name] for name in expected} == expected
     assert found.outside == "extend"
     assert found.coefficients == load_coefficients("reconstructed")
+
+
+@pytest.mark.parametrize("number", [1, 2, 3])
+@pytest.mark.parametrize("yaw", [0.0, 0.7, -1.2])
+def test_it_swings_at_both_frequencies_of_the_mode(number, yaw):
+    still = model(number, damping_ratio=0.0).with_parameters({"wind.density": 0.0, "wind.yaw": yaw})
+    mode = cable_mode(CABLE, number)
+    # y and z alone, the rivulet of a milligram held: columns of the acceleration by small displacements
+    p, step = still.parameters, 1e-7
+
+    def slopes(y, z):
+        ahead, behind = (still.rhs((sign * y, 0.0, sign * z, 0.0, 0.0, 0.0), p) for sign in (1, -1))
+        return (np.array(ahead) - np.array(behind))[[3, 5]] / (2 * step)
+
+    stiffness = -np.array([slopes(step, 0.0), slopes(0.0, step)])
+    values, vectors = np.linalg.eigh(stiffness)
+    expected = sorted([mode.frequency_out, mode.frequency_in])
+    assert np.sqrt(values) / (2 * pi) == pytest.approx(expected, rel=1e-6)
+    if number != 2:
+        # the higher one moves in the cable's vertical plane: along gravity, (cos beta, -sin beta)
+        assert abs(vectors[:, 1] @ [np.cos(still.beta), -np.sin(still.beta)]) == pytest.approx(1, abs=1e-6)
+
+
+def test_a_flat_and_heavy_cable_that_snaps_through_is_refused():
+    slack = replace(CABLE, tension=5e5, axial_stiffness=2e9)
+    with pytest.raises(InputError, match="snap through"):
+        model(cable=slack)
 
 
 def test_a_set_serves_as_well_as_its_name():

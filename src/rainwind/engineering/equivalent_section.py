@@ -41,5 +41,7 @@ def section_model(
         k3_y=0.0,
         k2_z=0.0,
         k3_z=0.0,
+        k3=mode.k3,
+        sag_offset=mode.sag_offset,
     )
     return RivuletModel(Wind(10.0, 0.0, density), section, rivulet, chosen, outside=outside)

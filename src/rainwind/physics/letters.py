@@ -3,7 +3,8 @@
 from collections.abc import Collection, Mapping
 from typing import Any, NamedTuple
 
-from rainwind.elementary import atan2, cos, sin, sqrt
+from rainwind.elementary import cos, sin
+from rainwind.physics.oblique_wind import beta, normal_factor
 from rainwind.physics.section import damping, stiffness
 
 GRAVITY = 9.81
@@ -46,7 +47,7 @@ class Letters(NamedTuple):
 def letters(p: Mapping[str, Any], given: Collection[str] = ()) -> Letters:
     """The letters from the parameters p; given: those of the section's fields `OPTIONAL` that p has."""
     gamma, delta = p["wind.yaw"], p["section.inclination"]
-    normal = sqrt(cos(gamma) * cos(gamma) + sin(gamma) * sin(gamma) * (sin(delta) * sin(delta)))
+    normal = normal_factor(gamma, delta)
     u_n = p["wind.speed"] * normal
     # the vertical wind's part in the section's plane, turned by beta: cos(beta) = cos(gamma) / normal
     lifting = p["wind.vertical_speed"] * cos(delta) / normal
@@ -60,8 +61,7 @@ def letters(p: Mapping[str, Any], given: Collection[str] = ()) -> Letters:
         u_n=u_n,
         u_z=u_n + lifting * (sin(gamma) * sin(delta)),
         u_up=lifting * cos(gamma),
-        # eq. (1), with atan2 so that it also holds beyond 90 degrees
-        beta=atan2(sin(gamma) * sin(delta), cos(gamma)),
+        beta=beta(gamma, delta),
         d=p["section.diameter"],
         r=(p["section.diameter"] + p["rivulet.height"]) / 2,
         m_s=m_s,

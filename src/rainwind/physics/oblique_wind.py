@@ -13,8 +13,8 @@ def normal_factor(yaw: Any, inclination: Any) -> Any:
     yaw gamma and inclination delta in rad: numbers, arrays or tape symbols. Source: geometry (derived; a test
     compares it with vectors in space): the paper prints beta only.
     """
-    across, along = cos(yaw), sin(yaw) * sin(inclination)
-    return sqrt(across * across + along * along)
+    gamma, delta = yaw, inclination
+    return sqrt(cos(gamma) * cos(gamma) + sin(gamma) * sin(gamma) * (sin(delta) * sin(delta)))
 
 
 def beta(yaw: Any, inclination: Any) -> Any:
@@ -23,4 +23,5 @@ def beta(yaw: Any, inclination: Any) -> Any:
     yaw gamma and inclination delta in rad: numbers, arrays or tape symbols. Source: Peil & Nahrath (2003), eq. (1)
     (read), with atan2 so that it also holds beyond 90 degrees of yaw.
     """
-    return atan2(sin(yaw) * sin(inclination), cos(yaw))
+    gamma, delta = yaw, inclination
+    return atan2(sin(gamma) * sin(delta), cos(gamma))
