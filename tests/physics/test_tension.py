@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize
 
+from rainwind.dynamics.equilibria import continue_equilibria
 from rainwind.dynamics.system import as_system
 from rainwind.errors import InputError
 from rainwind.physics import CableSection, CoefficientSet, Rivulet, RivuletModel, Wind, paper_model
@@ -132,6 +133,22 @@ def test_frequencies_in_plane_and_out_of_plane_whatever_the_yaw(yaw):
     assert abs(directions[:, 1] @ down) == pytest.approx(1.0, abs=1e-7)
 
 
+@pytest.mark.parametrize("amplitude", [0.1, 2.0])
+def test_a_taut_string_whirls_in_circles_faster(amplitude):
+    """Exact: y = A cos(w t), z = A sin(w t) with w² = (k + k3 A²)/m; the rivulet is next to nothing."""
+    section = CableSection(
+        mass=50.0, damping_ratio=0.0, k2_y=0.0, k3_y=0.0, k3_z=0.0, k3=300.0, sag_offset=None
+    )
+    still = Wind(9.0, yaw=0.5, density=0.0)
+    model = RivuletModel(still, section, Rivulet(mass=1e-12, friction=0.0), paper_model().coefficients)
+    squared = (50.0 * (2 * pi) ** 2 + 300.0 * amplitude**2) / 50.0
+    for angle in np.linspace(0.0, 2 * pi, 9):
+        here = amplitude * np.array([cos(angle), sin(angle)])
+        rates = sqrt(squared) * amplitude * np.array([-sin(angle), cos(angle)])
+        found = model.rhs((here[0], 1.0, here[1], rates[0], 0.0, rates[1]), model.parameters)
+        np.testing.assert_allclose([found[3], found[5]], -squared * here, atol=1e-9)
+
+
 # ---- rest positions
 
 
@@ -241,6 +258,25 @@ def test_without_it_the_tape_is_as_long_as_before_there_was_one(freedoms, outsid
 def test_the_tape_agrees_with_plain_numbers():
     x = np.array([0.5, 0.4, -0.4, 0.3, 2.0, 1.0])
     np.testing.assert_allclose(as_system(STILL).f(x), STILL.rhs(x, STILL.parameters), rtol=1e-13, atol=1e-13)
+
+
+# ---- walks
+
+
+def test_a_walk_along_the_tension_ends_where_all_states_says():
+    model = replace(paper_model(), section=CableSection(k3=100.0, sag_offset=0.3), wind=Wind(20.0, yaw=0.3))
+    start = model.all_states()[-1]
+    branch = continue_equilibria(model, "section.k3", start=start, until=(0.0, 5000.0))
+    assert branch["section.k3"][[0, -1]] == pytest.approx([0.0, 5000.0])
+    end = model.all_states({"section.k3": 5000.0})[-1]
+    assert [branch[name][-1] for name in ("y", "phi", "z")] == pytest.approx(list(end[:3]), abs=1e-9)
+    assert abs(branch["z"][-1] - branch["z"][0]) > 1e-4
+
+
+def test_a_walk_does_not_leave_what_is_allowed():
+    model = replace(paper_model(), section=CableSection(k3=100.0, sag_offset=0.3))
+    with pytest.raises(InputError, match=r"until for section\.sag_offset .* snap through"):
+        continue_equilibria(model, "section.sag_offset", start=model.all_states()[0], until=(0.0, 30.0))
 
 
 # ---- the door
