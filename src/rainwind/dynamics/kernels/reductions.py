@@ -76,6 +76,28 @@ def _zero_between(c, low, high, at_low, at_high):
 
 
 @compiled
+def _top(d, low, high):
+    """Where a slope d, positive at `low` and negative at `high`, is zero, to 1e-8 of the interval: the value there is
+    then the largest to rounding. Newton's steps, halving where they leave the interval."""
+    a, b = low, high
+    s = 0.5 * (a + b)
+    for _ in range(60):
+        slope = _value(d, s)
+        if slope > 0.0:
+            a = s
+        else:
+            b = s
+        bend = _slope(d, s)
+        new = s - slope / bend if bend < 0.0 else 0.5 * (a + b)
+        if not a <= new <= b:
+            new = 0.5 * (a + b)
+        if abs(new - s) <= 1e-8 * (high - low):
+            return new
+        s = new
+    return s
+
+
+@compiled
 def _highest(c, d, stack, low, high, best, bound_2, bound_3):
     """The largest value of a polynomial on [low, high] if it exceeds `best`, else `best`. d, stack: room.
 
@@ -106,7 +128,7 @@ def _highest(c, d, stack, low, high, best, bound_2, bound_3):
         if abs(bend) > bound_3 * half:  # the slope rises or falls throughout
             at_a, at_b = _value(d, a), _value(d, b)
             if bend < 0.0 and at_a > 0.0 and at_b < 0.0:
-                best = max(best, _value(c, _zero_between(d, a, b, at_a, at_b)))
+                best = max(best, _value(c, _top(d, a, b)))
             else:
                 best = max(best, _value(c, a), _value(c, b))
             continue
@@ -155,22 +177,26 @@ def _at(c, s, found):
 
 
 @compiled
-def _slopes(c, h, found):
-    """Bounds of what the slope of polynomials changes by on [0, h]: the sum of j |c_j| h^(j-1) over j >= 2."""
+def _reaches(c, h, up, down):
+    """How far polynomials may rise above and fall below their first values on [0, h]: sums of the terms of one sign."""
     top, width = c.shape[0] - 1, h.size
     whole = width - width % 4
     for lane in range(0, whole, 4):
         h_0, h_1, h_2, h_3 = h[lane], h[lane + 1], h[lane + 2], h[lane + 3]
         a_0, a_1, a_2, a_3 = 0.0, 0.0, 0.0, 0.0
-        for j in range(top, 1, -1):
-            a_0, a_1 = (a_0 + j * abs(c[j, lane])) * h_0, (a_1 + j * abs(c[j, lane + 1])) * h_1
-            a_2, a_3 = (a_2 + j * abs(c[j, lane + 2])) * h_2, (a_3 + j * abs(c[j, lane + 3])) * h_3
-        found[lane], found[lane + 1], found[lane + 2], found[lane + 3] = a_0, a_1, a_2, a_3
+        b_0, b_1, b_2, b_3 = 0.0, 0.0, 0.0, 0.0
+        for j in range(top, 0, -1):
+            a_0, b_0 = (a_0 + max(c[j, lane], 0.0)) * h_0, (b_0 + min(c[j, lane], 0.0)) * h_0
+            a_1, b_1 = (a_1 + max(c[j, lane + 1], 0.0)) * h_1, (b_1 + min(c[j, lane + 1], 0.0)) * h_1
+            a_2, b_2 = (a_2 + max(c[j, lane + 2], 0.0)) * h_2, (b_2 + min(c[j, lane + 2], 0.0)) * h_2
+            a_3, b_3 = (a_3 + max(c[j, lane + 3], 0.0)) * h_3, (b_3 + min(c[j, lane + 3], 0.0)) * h_3
+        up[lane], up[lane + 1], up[lane + 2], up[lane + 3] = a_0, a_1, a_2, a_3
+        down[lane], down[lane + 1], down[lane + 2], down[lane + 3] = b_0, b_1, b_2, b_3
     for lane in range(whole, width):
-        a_0 = 0.0
-        for j in range(top, 1, -1):
-            a_0 = (a_0 + j * abs(c[j, lane])) * h[lane]
-        found[lane] = a_0
+        a_0, b_0 = 0.0, 0.0
+        for j in range(top, 0, -1):
+            a_0, b_0 = (a_0 + max(c[j, lane], 0.0)) * h[lane], (b_0 + min(c[j, lane], 0.0)) * h[lane]
+        up[lane], down[lane] = a_0, b_0
 
 
 @compiled
@@ -179,25 +205,19 @@ def extremes(numbers, times, lengths, coefficients, rows, since, until, cuts, lo
     order, width = coefficients.shape[2], coefficients.shape[3]
     c, d, stack = np.empty(order), np.empty(order), np.empty((2, _DEEPEST + 2))
     begins, ends = np.empty(width), np.empty(width)
-    rests = np.empty(width)
+    up, down = np.empty(width), np.empty(width)
     for step in range(numbers.shape[0]):
         if not _spans(numbers[step], times[step], lengths[step], since, until, cuts, begins, ends):
             continue
         for k in range(rows.size):
             all_lanes = coefficients[step, rows[k]]
-            _slopes(all_lanes, ends, rests)
+            _reaches(all_lanes, ends, up, down)
             for lane in range(width):
                 end = ends[lane]
                 if end == 0.0:
                     continue
-                job, value, slope, rest = (
-                    numbers[step, lane],
-                    all_lanes[0, lane],
-                    abs(all_lanes[1, lane]),
-                    rests[lane],
-                )
-                reach = (slope + rest) * end
-                if value + reach <= high[job, k] and value - reach >= low[job, k]:
+                job, value = numbers[step, lane], all_lanes[0, lane]
+                if value + up[lane] <= high[job, k] and value + down[lane] >= low[job, k]:
                     continue
                 for j in range(order):
                     c[j] = all_lanes[j, lane]
@@ -205,12 +225,13 @@ def extremes(numbers, times, lengths, coefficients, rows, since, until, cuts, lo
                 at_begin, at_end = _value(c, begin), _value(c, end)
                 low[job, k] = min(low[job, k], min(at_begin, at_end))
                 high[job, k] = max(high[job, k], max(at_begin, at_end))
-                if rest < slope:  # it rises or falls throughout
-                    continue
-                above, below = value + reach > high[job, k], value - reach < low[job, k]
+                above, below = value + up[lane] > high[job, k], value + down[lane] < low[job, k]
                 if not above and not below:
                     continue
-                _, second, third = _bounds(c, end)
+                first, second, third = _bounds(c, end)
+                slope = abs(c[1])
+                if first - slope < slope:  # it rises or falls throughout
+                    continue
                 if above:
                     high[job, k] = _highest(c, d, stack, begin, end, high[job, k], second, third)
                 if below:
