@@ -11,7 +11,7 @@ from rainwind.engineering.cable import Cable, Damper
 from rainwind.engineering.damped_beam import DampedBeam, Ends
 from rainwind.engineering.damped_string import DampedString
 from rainwind.engineering.damper_places import DamperPlaces
-from rainwind.engineering.root_following import corrected_roots, follow_roots
+from rainwind.engineering.root_following import follow_roots
 from rainwind.errors import ComputationError, InputError
 from rainwind.physics.checks import not_negative
 
@@ -28,7 +28,7 @@ __all__ = [
 
 SMALL = 1e-3
 """Dampers with less than this for the sum of c/sqrt(T m) leave the undamped roots where they are."""
-DETOUR = 0.3
+DETOUR = 0.6
 """rad: of the complex coefficients that lead round the places where a mode stops vibrating."""
 
 
@@ -173,7 +173,7 @@ def scaled_roots(model: DampedCable, count: int, scales: np.ndarray) -> np.ndarr
     near = np.minimum(model.dampers.places, 1.0 - model.dampers.places)
     lost = int(np.floor(near * (count + 0.5) + 0.5).sum())
     turn = np.exp(-1j * DETOUR) if lost else 1.0
-    roots, t = model.undamped(count + lost), complex(min(SMALL / total, float(scales[0]) / 2))
+    roots, t = model.undamped(count + 2 * lost), complex(min(SMALL / total, float(scales[0]) / 2))
     found = np.empty((len(scales), count), dtype=complex)
     for i, scale in enumerate(scales):
         roots, t = follow_roots(model.log_derivative, roots, t, scale * turn), scale * turn
@@ -183,14 +183,13 @@ def scaled_roots(model: DampedCable, count: int, scales: np.ndarray) -> np.ndarr
 
 def _back(model: DampedCable, roots: np.ndarray, scale: float, count: int) -> np.ndarray:
     """The first roots (count,) by frequency with the true coefficients, from those of complex ones."""
-    roots = follow_roots(model.log_derivative, roots, scale * np.exp(-1j * DETOUR), scale * np.exp(-1e-4j))
-    true = corrected_roots(model.log_derivative, roots, scale)
-    if true is None:  # at c = 2 sqrt(T m) itself one root lies infinitely far
-        far = int(np.argmin(np.real(roots)))
-        true = corrected_roots(model.log_derivative, np.delete(roots, far), scale)
-        roots = roots if true is None else np.insert(true, far, roots[far])
-    else:
-        roots = true
+    found = None
+    while found is None and len(roots) >= count:
+        try:
+            found = follow_roots(model.log_derivative, roots, scale * np.exp(-1j * DETOUR), complex(scale))
+        except ComputationError:  # close to c = 2 sqrt(T m) a root lies out of reach: it vibrates no more
+            roots = np.delete(roots, np.argmin(np.real(roots)))
+    roots = np.empty(0) if found is None else found
     vibrating = roots[np.imag(roots) > 1e-6]
     if len(vibrating) < count:
         raise ComputationError(f"only {len(vibrating)} of {count} modes vibrate with these dampers")

@@ -6,7 +6,7 @@ import numpy as np
 
 from rainwind.errors import ComputationError
 
-__all__ = ["corrected_roots", "follow_roots"]
+__all__ = ["follow_roots"]
 
 LogDerivative = Callable[[np.ndarray, complex], np.ndarray]
 STEP = np.log(4.0)
@@ -34,7 +34,7 @@ def follow_roots(log_derivative: LogDerivative, roots: np.ndarray, start: comple
     while done < 1.0:
         goal = 1.0 if done + 1.01 * step > 1.0 else done + step
         guess = now + slope * (goal - done)
-        new = corrected_roots(log_derivative, guess, start * np.exp(way * goal))
+        new = _corrected(log_derivative, guess, start * np.exp(way * goal))
         if new is not None and (np.abs(new - guess) <= FARTHEST * (1 + np.abs(new.real) / 2)).all():
             slope = (new - now) / (goal - done)
             now, done, step = new, goal, min(1.5 * step, STEP / abs(way))
@@ -48,14 +48,17 @@ def follow_roots(log_derivative: LogDerivative, roots: np.ndarray, start: comple
     return now
 
 
-def corrected_roots(log_derivative: LogDerivative, guess: np.ndarray, t: complex) -> np.ndarray | None:
+def _corrected(log_derivative: LogDerivative, guess: np.ndarray, t: complex) -> np.ndarray | None:
     """The roots (n,) near the guess (n,), None where they are not found."""
     s, last = guess, np.inf
     for _ in range(_ITERATIONS):
-        with np.errstate(all="ignore"):
-            apart = s[:, None] - s[None, :]
-            np.fill_diagonal(apart, np.inf)
-            change = 1.0 / (log_derivative(s, t) - (1.0 / apart).sum(axis=1))
+        apart = s[:, None] - s[None, :]
+        np.fill_diagonal(apart, np.inf)
+        try:
+            with np.errstate(all="ignore"):
+                change = 1.0 / (log_derivative(s, t) - (1.0 / apart).sum(axis=1))
+        except np.linalg.LinAlgError:  # far outside the range of numbers
+            return None
         change = np.where(np.isnan(change), 0.0, change)  # exactly on the root: f = 0
         s, size = s - change, float(np.abs(change / s).max())
         if not np.isfinite(size):
