@@ -80,11 +80,27 @@ if TYPE_CHECKING:
     from rainwind.elementary import sqrt as sqrt
     from rainwind.elementary import tan as tan
     from rainwind.elementary import tanh as tanh
+    from rainwind.engineering.answers import Band as Band
+    from rainwind.engineering.answers import BridgeAnswer as BridgeAnswer
+    from rainwind.engineering.answers import ModeAnswer as ModeAnswer
+    from rainwind.engineering.answers import StayAnswer as StayAnswer
+    from rainwind.engineering.assessment import assess as assess
+    from rainwind.engineering.bridge import Bridge as Bridge
+    from rainwind.engineering.bridge import ClimateSource as ClimateSource
+    from rainwind.engineering.bridge import Limits as Limits
+    from rainwind.engineering.bridge import Question as Question
+    from rainwind.engineering.bridge import Site as Site
+    from rainwind.engineering.cable import Cable as Cable
+    from rainwind.engineering.cable import Damper as Damper
+    from rainwind.engineering.dampers import damped_modes as damped_modes
+    from rainwind.engineering.modes import cable_modes as cable_modes
     from rainwind.engineering.turbulent_wind import TurbulentWind as TurbulentWind
     from rainwind.engineering.turbulent_wind import turbulent_wind as turbulent_wind
     from rainwind.errors import RainwindError as RainwindError
     from rainwind.io.auto_export import export_to_auto as export_to_auto
+    from rainwind.io.bridge_cases import read_bridge as read_bridge
     from rainwind.io.cases import read_case as read_case
+    from rainwind.io.climate_files import read_climate as read_climate
     from rainwind.io.saved import load as load
     from rainwind.io.saved import save as save
     from rainwind.io.wind_records import read_wind as read_wind
@@ -94,6 +110,7 @@ if TYPE_CHECKING:
     from rainwind.physics.rivulet import Rivulet as Rivulet
     from rainwind.physics.section import CableSection as CableSection
     from rainwind.physics.wind import Wind as Wind
+    from rainwind.reporting.report import write_report as write_report
 
 _HOME = {
     **dict.fromkeys(("Attractor", "attractor", "attractors"), "dynamics.attractors"),
@@ -141,6 +158,15 @@ _HOME = {
     **dict.fromkeys(("acos", "asin", "atan", "atan2", "cos", "cosh", "erf", "exp", "log"), "elementary"),
     **dict.fromkeys(("sin", "sinh", "sqrt", "tan", "tanh"), "elementary"),
     **dict.fromkeys(("TurbulentWind", "turbulent_wind"), "engineering.turbulent_wind"),
+    **dict.fromkeys(("Band", "BridgeAnswer", "ModeAnswer", "StayAnswer"), "engineering.answers"),
+    "assess": "engineering.assessment",
+    **dict.fromkeys(("Bridge", "ClimateSource", "Limits", "Question", "Site"), "engineering.bridge"),
+    **dict.fromkeys(("Cable", "Damper"), "engineering.cable"),
+    "damped_modes": "engineering.dampers",
+    "cable_modes": "engineering.modes",
+    "read_bridge": "io.bridge_cases",
+    "read_climate": "io.climate_files",
+    "write_report": "reporting.report",
     "RainwindError": "errors",
     "read_case": "io.cases",
     "read_wind": "io.wind_records",
