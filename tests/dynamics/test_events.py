@@ -62,6 +62,23 @@ def test_many_zeros_in_one_step():
     assert crossings.times == pytest.approx(exact, abs=1e-10)
 
 
+def test_a_function_that_looks_constant_on_half_of_the_points():
+    """T_12 + 0.9 on one straight piece: 1.9 at all seven points that are looked at first, and yet twelve zeros."""
+
+    def chebyshev(s):
+        before, now = 1.0, s
+        for _ in range(11):
+            before, now = now, 2.0 * s * now - before
+        return now
+
+    straight = rw.System(lambda x, p: (1.0 + 0.0 * x.s,), ("s",))
+    course = rw.simulate(straight, [-1.0], duration=2.0)
+    assert len(course) == 1
+    crossings = course.section(lambda x, p: chebyshev(x.s) + 0.9, direction=0)
+    angles = (np.arange(6)[:, None] * 2 + 1) * np.pi / 12 + np.array([-1, 1]) * np.arccos(0.9) / 12
+    assert crossings["s"] == pytest.approx(np.sort(np.cos(angles).ravel()), abs=1e-12)
+
+
 def test_functions_that_polynomials_follow_badly():
     steep = found(lambda x, p: rw.tanh(1e4 * (x.q - 0.3)))
     assert len(steep) == 32

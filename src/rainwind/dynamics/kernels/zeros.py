@@ -2,7 +2,8 @@
 
 On an interval a function is sampled at Chebyshev's points; its interpolating polynomial in Bernstein's form has at
 least as many changes of sign among its coefficients as zeros, so none means no zero and one means one. Other
-intervals, and those on which the polynomial is no good picture of the function, are halved and sampled again.
+intervals, and those on which the polynomial is no good picture of the function, are halved and sampled again. Most
+intervals are far from a zero: half of the points, which are Chebyshev's points too, are enough to see that.
 Source: Farouki (2012), The Bernstein polynomial basis: a centennial retrospective, Comput. Aided Geom. Des. 29:379.
 """
 
@@ -24,18 +25,28 @@ _EPS = 2.220446049250313e-16
 POINTS = np.array([0.5 - 0.5 * cos(pi * i / DEGREE) for i in range(DEGREE + 1)])
 
 
-def _to_bernstein() -> np.ndarray:
-    """Coefficients in Bernstein's form from values at POINTS."""
-    rows = [[comb(DEGREE, j) * s**j * (1.0 - s) ** (DEGREE - j) for j in range(DEGREE + 1)] for s in POINTS]
+def _to_bernstein(points: np.ndarray) -> np.ndarray:
+    """Coefficients in Bernstein's form from values at points."""
+    n = points.size - 1
+    rows = [[comb(n, j) * s**j * (1.0 - s) ** (n - j) for j in range(n + 1)] for s in points]
     return np.linalg.inv(np.array(rows))
 
 
-def _to_chebyshev() -> np.ndarray:
-    """Coefficients in Chebyshev's form from values at POINTS."""
-    return np.linalg.inv(np.polynomial.chebyshev.chebvander(2.0 * POINTS - 1.0, DEGREE))
+def _to_chebyshev(points: np.ndarray) -> np.ndarray:
+    """Coefficients in Chebyshev's form from values at points."""
+    return np.linalg.inv(np.polynomial.chebyshev.chebvander(2.0 * points - 1.0, points.size - 1))
 
 
-_BERNSTEIN, _CHEBYSHEV = _to_bernstein(), _to_chebyshev()
+_BERNSTEIN, _CHEBYSHEV = _to_bernstein(POINTS), _to_chebyshev(POINTS)
+# one point more is foretold from half of them: a function that only looks smooth on them is found out
+_FORETOLD = 5
+_HALF_BERNSTEIN, _HALF_CHEBYSHEV = _to_bernstein(POINTS[::2]), _to_chebyshev(POINTS[::2])
+_FORETELLING = (
+    np.polynomial.chebyshev.chebvander(2.0 * POINTS[_FORETOLD : _FORETOLD + 1] - 1.0, DEGREE // 2)
+    @ _HALF_CHEBYSHEV
+)[0]
+# how many times the last coefficients in Chebyshev's form a function must stay away from zero to be clear of it
+_CLEAR = 30.0
 
 
 @compiled
@@ -136,15 +147,17 @@ def find_zeros(
             waiting -= 1
             low, high, at_low, at_high = lows[waiting], highs[waiting], at_lows[waiting], at_highs[waiting]
             looked += 1
+            values[0], values[DEGREE] = at_low, at_high
+            for i in (2, 4, _FORETOLD, 6, 8, 10):
+                s = low + POINTS[i] * (high - low)
+                values[i] = _value(operations, slots, output, c, numbers, p, s)
+            if _clear(values):
+                continue
+            for i in range(1, DEGREE, 2):
+                s = low + POINTS[i] * (high - low)
+                values[i] = _value(operations, slots, output, c, numbers, p, s)
             largest = 0.0
             for i in range(DEGREE + 1):
-                if i == 0:
-                    values[i] = at_low
-                elif i == DEGREE:
-                    values[i] = at_high
-                else:
-                    s = low + POINTS[i] * (high - low)
-                    values[i] = _value(operations, slots, output, c, numbers, p, s)
                 largest = max(largest, abs(values[i]))
             changes, last = _changes(values)
             crossed = (at_low > 0.0) != (at_high > 0.0)
@@ -166,6 +179,27 @@ def find_zeros(
                 found_at[count], found_piece[count], found_rising[count] = s, piece, sign > 0
                 count += 1
     return count, sign, coefficients.shape[0]
+
+
+@compiled
+def _clear(values):
+    """Whether the polynomial through every second value stays of one sign, by far more than it may be off."""
+    nearest, last, sign = np.inf, 0.0, values[0] > 0.0
+    half = DEGREE // 2
+    for j in range(half + 1):
+        b, t = 0.0, 0.0
+        for i in range(half + 1):
+            b += _HALF_BERNSTEIN[j, i] * values[2 * i]
+            t += _HALF_CHEBYSHEV[j, i] * values[2 * i]
+        if not np.isfinite(b) or (b > 0.0) != sign:
+            return False
+        nearest = min(nearest, abs(b))
+        if j > half - 2:
+            last = max(last, abs(t))
+    foretold = 0.0
+    for i in range(half + 1):
+        foretold += _FORETELLING[i] * values[2 * i]
+    return nearest > _CLEAR * max(last, abs(values[_FORETOLD] - foretold))
 
 
 @compiled
