@@ -1,4 +1,4 @@
-"""The command line: `rainwind paper`, `figure`, `equilibria`, `diagram`, `hopf-map`, `new`, `check`.
+"""The command line: `rainwind paper`, `figure`, `equilibria`, `diagram`, `hopf-map`, `new`, `check`, `schema`.
 
 Nothing heavy is imported before a command needs it, so that `rainwind --help` answers at once.
 """
@@ -272,31 +272,58 @@ def equilibria(
 @app.command()
 def new(
     file: Annotated[Path, typer.Argument(help="Case file to write, such as case.toml.")],
+    bridge: Annotated[bool, typer.Option("--bridge", help="A bridge with a stay, to be assessed.")] = False,
     force: Annotated[bool, typer.Option("--force", help="Overwrite the file if it exists.")] = False,
 ) -> None:
-    """Write a commented case file: the paper's sample case."""
+    """Write a commented case file: the paper's sample case, or an example of a bridge."""
     from rainwind.io.case_files import new_case_text
+    from rainwind.io.new_bridge import new_bridge_text
 
     if file.is_dir():
         raise InputError(f"{file}: is a folder; name a file in it, such as {file / 'case.toml'}")
     if file.exists() and not force:
         raise InputError(f"{file}: exists already; choose another name or give --force to overwrite it")
     make_folder(file.parent)
-    file.write_text(new_case_text(), encoding="utf-8")
-    typer.echo(f"written to {file}; 'rainwind equilibria {file}' computes it")
+    file.write_text(new_bridge_text() if bridge else new_case_text(), encoding="utf-8")
+    typer.echo(f"written to {file}; 'rainwind {'assess' if bridge else 'equilibria'} {file}' computes it")
 
 
 @app.command()
 def check(case: Annotated[Path, typer.Argument(metavar="CASE", help="Case file (TOML).")]) -> None:
     """Say what is wrong with a case file, every fault with its line, and which numbers are unusual."""
+    from rainwind.io.bridge_cases import is_bridge_case, read_bridge
     from rainwind.io.cases import given_numbers, read_case
     from rainwind.io.usual import unusual
+    from rainwind.io.usual_bridge import unusual_bridge
 
-    found = unusual(read_case(case), given_numbers(case))
+    bridge = is_bridge_case(case)
+    found = unusual_bridge(read_bridge(case)) if bridge else unusual(read_case(case), given_numbers(case))
     for sentence in found:
         typer.echo(f"{case}: {sentence}")
     count = "1 unusual number" if len(found) == 1 else f"{len(found)} unusual numbers"
     typer.echo(f"{case}: no fault, but {count}" if found else f"{case}: fine")
+
+
+@app.command()
+def schema(
+    file: Annotated[
+        Path | None, typer.Argument(metavar="[FILE]", help="File to write; without it, to the screen.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite the file if it exists.")] = False,
+) -> None:
+    """Write the JSON schema of case files, with which an editor completes and checks keys."""
+    from rainwind.io.json_schema import case_schema_text
+
+    if file is None:
+        typer.echo(case_schema_text(), nl=False)
+        return
+    if file.is_dir():
+        raise InputError(f"{file}: is a folder; name a file in it, such as {file / 'case.schema.json'}")
+    if file.exists() and not force:
+        raise InputError(f"{file}: exists already; choose another name or give --force to overwrite it")
+    make_folder(file.parent)
+    file.write_text(case_schema_text(), encoding="utf-8")
+    typer.echo(f"written to {file}; begin a case with the line '#:schema {file}' for an editor to use it")
 
 
 def main() -> None:

@@ -1,6 +1,5 @@
 """Case files of bridges in: a TOML text, with a table of stays or without, becomes a Bridge or every fault at once."""
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -32,11 +31,8 @@ def read_bridge(path: Path | str) -> Bridge:
 
 
 def is_bridge_case(path: Path | str) -> bool:
-    """Whether the file describes a bridge: it has [bridge], [cable] or [stays]. False for one that is no TOML file."""
-    try:
-        content = tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
-    except (OSError, ValueError):
-        return False
+    """Whether the file describes a bridge: it has [bridge], [cable] or [stays]. CaseError for one that is no TOML."""
+    content = case_content(case_file_text(Path(path)), str(path))
     return any(mark in content for mark in BRIDGE_MARKS)
 
 

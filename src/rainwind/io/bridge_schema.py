@@ -61,7 +61,7 @@ _CABLE = (
         "damping",
         "ratio",
         0.0015,
-        "of critical, without dampers; a list gives modes 1, 2, ..., its last number all higher ones",
+        "of critical, without dampers; a list is of modes 1, 2, ...; 0.1 % if left out",
         required=False,
         several=True,
     ),
@@ -204,7 +204,14 @@ _OPTIONS = (
         form="texts",
     ),
     Option("cable", "name", "S1", "of the stay, each its own", form="text", required=True),
-    Option("cable", "surface", "smooth", ", ".join(SURFACES), form="text", choices=tuple(SURFACES)),
+    Option(
+        "cable",
+        "surface",
+        "smooth",
+        f"{', '.join(SURFACES)}; smooth if left out",
+        form="text",
+        choices=tuple(SURFACES),
+    ),
     Option(
         "cable", "assumed", ("damping", "heading"), "keys, without unit, that nobody measured", form="texts"
     ),

@@ -119,7 +119,9 @@ def _option(option: Option, value: Any) -> Any:
     if option.form == "count" and (isinstance(value, bool) or not isinstance(value, int)):
         raise InputError(f"{given} is no whole number; write {option.name} = {toml_value(option.sample)}")
     if option.choices and option.form and value not in option.choices:
-        raise InputError(f"{given} is not known; {nearest(str(value), option.choices, 'words')}")
+        raise InputError(
+            f"{given} is not known; {nearest(str(value), [str(one) for one in option.choices], 'words')}"
+        )
     if option.form == "number":
         try:
             return number(value)

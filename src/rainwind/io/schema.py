@@ -34,7 +34,7 @@ class Option:
     """A key that holds words, a count or a number without a unit.
 
     form: what is read, "text", "texts", "count" or "number"; "" passes anything on to whoever checks it.
-    choices: the texts allowed, () for any.
+    choices: all that is allowed there, () for anything.
     """
 
     table: str
@@ -43,7 +43,7 @@ class Option:
     comment: str
     shown: bool = True
     form: str = ""
-    choices: tuple[str, ...] = ()
+    choices: tuple[str | int, ...] = ()
     required: bool = False
 
 
@@ -217,11 +217,29 @@ NUMBERS = (
 
 OPTIONS = (
     Option("coefficients", "set", "reconstructed", "a shipped set, or a file beside this one: 'my_set.toml'"),
-    Option("coefficients", "outside", "blend", "outside its validity: blend, extend or refuse"),
+    Option(
+        "coefficients",
+        "outside",
+        "blend",
+        "outside its validity: blend, extend or refuse",
+        choices=("blend", "extend", "refuse"),
+    ),
     Option("coefficients", "moment_of", "reconstructed", "take C_M from another set", shown=False),
-    Option("model", "degrees_of_freedom", 3, "3: y, phi, z; 2: y, phi"),
-    Option("model", "angle", "arctan", "eq. (3): arctan, or linear as printed on its right-hand side"),
-    Option("model", "relative_speed", "wind", "eq. (2): wind as in the paper, or full"),
+    Option("model", "degrees_of_freedom", 3, "3: y, phi, z; 2: y, phi", choices=(3, 2)),
+    Option(
+        "model",
+        "angle",
+        "arctan",
+        "eq. (3): arctan, or linear as printed on its right-hand side",
+        choices=("arctan", "linear"),
+    ),
+    Option(
+        "model",
+        "relative_speed",
+        "wind",
+        "eq. (2): wind as in the paper, or full",
+        choices=("wind", "full"),
+    ),
 )
 
 SECTION_KEYS = Keys(TABLES, NUMBERS, OPTIONS)
