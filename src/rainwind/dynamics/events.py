@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -98,13 +99,17 @@ def checked(events: Any) -> tuple[Event, ...]:
 
 
 class Function:
-    """A function of states and parameters, traced once, at given parameters some of which are driven."""
+    """A function of states and parameters, traced once, at given parameters some of which are driven.
+
+    kept: the tape is remembered for the next run, as a model's own functions may be; a user's may have changed by then.
+    """
 
     def __init__(
         self, function: Callable[[Any, Any], Any], states: tuple[str, ...], parameters: Mapping[str, float],
-        driven: Sequence[str], what: str,
+        driven: Sequence[str], what: str, kept: bool = False,
     ) -> None:  # fmt: skip
-        self.tape: Tape = trace_function(function, states, tuple(parameters), what)
+        trace = _kept_tape if kept else trace_function
+        self.tape: Tape = trace(function, states, tuple(parameters), what)
         n, names = len(states), list(parameters)
         self.numbers = np.array([n + names.index(name) for name in driven], dtype=np.int64)
         self._inputs = np.concatenate([np.zeros(n), np.array(list(parameters.values()), dtype=float)])
@@ -124,6 +129,13 @@ class Function:
         found[:, : states.shape[1]] = states
         found[:, self.numbers] = driven
         return found
+
+
+@lru_cache(maxsize=32)
+def _kept_tape(
+    function: Callable[..., Any], states: tuple[str, ...], parameters: tuple[str, ...], what: str
+) -> Tape:
+    return trace_function(function, states, parameters, what)
 
 
 class Watch:

@@ -74,7 +74,9 @@ class Pieces:
         """What lies between two times within them."""
         inside = self.times[(self.times > since) & (self.times < until)]
         times = np.concatenate([[since], inside, [until]])
-        return Pieces(times, self.starting(times[:-1]))
+        first = int(np.searchsorted(self.times[1:-1], since, side="right"))
+        whole = self.coefficients[first + 1 : first + times.size - 1]  # those that begin within
+        return Pieces(times, np.concatenate([self.starting(times[:1]), whole]))
 
     def derivative(self) -> "Pieces":
         """The pieces of the derivative."""

@@ -120,7 +120,8 @@ class _Run:
             Event(name, margin, -1 if refuses else 0, refuses)
             for name, (_, margin) in self.system.limits.items()
         ]
-        self.watched = [self._watch(event) for event in (*self.events, *limits)]
+        self.watched = [self._watch(event) for event in self.events]
+        self.watched += [self._watch(event, kept=True) for event in limits]
 
     def go(self) -> None:
         """Block after block to the end, or to where it cannot go on."""
@@ -211,12 +212,12 @@ class _Run:
             steps=dict(self.engines.steps),
         )
 
-    def _watch(self, event: Event) -> Watch:
-        function = self._function(event.function, f"event '{event.name}'")
+    def _watch(self, event: Event, kept: bool = False) -> Watch:
+        function = self._function(event.function, f"event '{event.name}'", kept)
         return Watch(event, self.system.states, function)
 
-    def _function(self, function: Callable[..., Any], what: str) -> Function:
-        return Function(function, self.system.states, self.system.parameters, self.driven.names, what)
+    def _function(self, function: Callable[..., Any], what: str, kept: bool) -> Function:
+        return Function(function, self.system.states, self.system.parameters, self.driven.names, what, kept)
 
     def _where(self, i: int, t: float, x: np.ndarray) -> str:
         event = self.watched[i].event
@@ -227,7 +228,7 @@ class _Run:
 
     def _limited(self, name: str, t: float, x: np.ndarray) -> float:
         """The value of what is limited."""
-        function = self._function(self.system.limits[name][0], name)
+        function = self._function(self.system.limits[name][0], name, True)
         driven = self.driven.pieces.at(t)[None] if self.driven.names else np.zeros((1, 0))
         return float(function.at(x[None], driven)[0])
 
@@ -235,7 +236,7 @@ class _Run:
         excursions = []
         for (name, (_, margin)), crossings in zip(self.system.limits.items(), found, strict=True):
             driven = self.driven.pieces.at(0.0)[None] if self.driven.names else np.zeros((1, 0))
-            outside = self._function(margin, name).at(self.start[None], driven)[0] < 0.0
+            outside = self._function(margin, f"event '{name}'", True).at(self.start[None], driven)[0] < 0.0
             leaving = [(0.0, self.start)] if outside else []
             leaving += list(zip(crossings.of(-1).times.tolist(), crossings.of(-1).state, strict=True))
             back = [*crossings.of(1).times.tolist(), self.blocks[-1].t][: len(leaving)]
