@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from rainwind.engineering.cable import Cable, Damper
-from rainwind.engineering.damped_beam import irvine_parameter
-from rainwind.engineering.dampers import damped_cable, damped_modes, damper_work, scaled_roots
+from rainwind.engineering.dampers import damped_cable, damped_modes, damper_work, force, scaled_roots, stroke
+from rainwind.engineering.modes import cable_modes
+from rainwind.engineering.sag import lambda_squared
 from rainwind.errors import InputError
 
 from .finite_element_cable import beam_eigenvalues, string_eigenvalue
@@ -110,7 +111,7 @@ def test_a_string_of_linear_finite_elements_agrees(sag: bool):
     near = [damper(0.025, 6.4), damper(0.0375, 9.0, 40.0, "upper")]
     elements = [(0.025, 6.4, None), (1 - 0.0375, 9.0, 40.0)]
     slack = Cable("S3", LENGTH, 0.16, MASS, TENSION, 0.5, 0.0, axial_stiffness=2e10)
-    parameter = irvine_parameter(slack) if sag else 0.0
+    parameter = lambda_squared(slack) if sag else 0.0
     for mode in damped_modes(slack, 4, near, sag=sag):
         found = string_eigenvalue(mode.eigenvalue / RATE, 480, elements, parameter)
         assert 2 * pi * mode.frequency / RATE == approx(found.imag, rel=1e-4)
@@ -156,7 +157,7 @@ def test_three_dampers_agree_with_finite_elements():
 @pytest.mark.parametrize("sag", [False, True])
 def test_a_cable_that_bends_agrees_with_cubic_finite_elements(ends, sag: bool):
     two = [damper(0.025, 6.4), damper(0.0375, 9.0, end="upper")]
-    parameter = irvine_parameter(CABLE) if sag else 0.0
+    parameter = lambda_squared(CABLE) if sag else 0.0
     found = beam_eigenvalues(
         80, 1e-3, parameter, [(0.025, 6.4), (1 - 0.0375, 9.0)], clamped=ends == "clamped"
     )
@@ -169,8 +170,10 @@ def test_undamped_frequencies_in_closed_form():
     for mode in damped_modes(CABLE, 5, bending=True, ends="pinned"):
         n = mode.number
         assert 2 * pi * mode.frequency / RATE == approx(n * pi * sqrt(1 + 1e-3 * (n * pi) ** 2), rel=1e-12)
+    for mode, own in zip(damped_modes(CABLE, 5, bending=True, sag=True), cable_modes(CABLE, 5), strict=True):
+        assert mode.frequency == approx(own.frequency_in, rel=1e-12)
     modes = damped_modes(CABLE, 4, sag=True)
-    parameter = irvine_parameter(CABLE)
+    parameter = lambda_squared(CABLE)
     for mode in modes[0::2]:
         half = pi * mode.frequency / RATE
         turns = (mode.number + 1) // 2  # of the arctangent
@@ -200,7 +203,7 @@ def test_little_bending_and_little_sag_are_the_string():
 def test_modes_stay_two_where_sag_makes_their_frequencies_equal():
     # at Lambda = 4 pi^2 the first two modes have one frequency; the damper parts them
     equal = brentq(
-        lambda ea: irvine_parameter(Cable("S6", LENGTH, 0.16, MASS, 3e5, 0.5, 0.0, axial_stiffness=ea))
+        lambda ea: lambda_squared(Cable("S6", LENGTH, 0.16, MASS, 3e5, 0.5, 0.0, axial_stiffness=ea))
         - 4 * pi**2, 1e6, 1e12,
     )  # fmt: skip
     cable = Cable("S6", LENGTH, 0.16, MASS, 3e5, 0.5, 0.0, axial_stiffness=equal)
@@ -243,6 +246,8 @@ def test_the_work_of_a_damper():
     assert second.displacement == approx(np.hypot(spring, second.stroke))
     assert second.stroke < second.displacement
     assert first.power == approx(first.force**2 / rigid.coefficient / 2)
+    assert stroke(soft, mode, 1, [0.0, 0.08]) == approx([0.0, second.stroke])
+    assert force(soft, mode, 1, [0.0, 0.08]) == approx([0.0, second.force])
     with pytest.raises(InputError, match="same dampers"):
         damper_work(mode, [rigid], 0.08)
 

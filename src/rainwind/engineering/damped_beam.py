@@ -1,28 +1,16 @@
 """A cable with bending stiffness, sag or both, with dampers: its characteristic function, exact."""
 
-from collections.abc import Callable
-from math import cos, pi, sin, sqrt, tanh
-from typing import Literal, get_args
-
 import numpy as np
-from scipy.optimize import brentq
 
+from rainwind.engineering.bending import ENDS, Ends, bending_parameter, wave_number
 from rainwind.engineering.cable import Cable
 from rainwind.engineering.damper_places import DamperPlaces
-from rainwind.errors import ComputationError
+from rainwind.engineering.sag import lambda_squared, sagging_wave_number
 from rainwind.physics.checks import one_of
 
-__all__ = ["DampedBeam", "Ends", "irvine_parameter"]
+__all__ = ["DampedBeam", "Ends"]
 
-Ends = Literal["clamped", "pinned"]
-GRAVITY = 9.81
 _DIFFERENCE = 1e-5
-
-
-def irvine_parameter(cable: Cable) -> float:
-    """lambda² = (m g L cos(theta)/T)² EA L/(T L_e), L_e = L (1 + (m g L cos(theta)/T)²/8) (Irvine, second-hand)."""
-    sag = cable.mass * GRAVITY * cable.length * np.cos(cable.inclination) / cable.tension
-    return float(sag**2 * cable.estimated_axial_stiffness / cable.tension / (1 + sag**2 / 8))
 
 
 class DampedBeam:
@@ -38,18 +26,21 @@ class DampedBeam:
         self, cable: Cable, dampers: DamperPlaces, *, sag: bool, bending: bool, ends: Ends = "clamped"
     ) -> None:
         self.dampers = dampers
-        self.ends = one_of("ends", ends, get_args(Ends))
-        self.epsilon = cable.bending_stiffness / cable.tension / cable.length**2 if bending else 0.0
-        self.sag = irvine_parameter(cable) if sag else 0.0
+        self.ends = one_of("ends", ends, ENDS)
+        self.epsilon = bending_parameter(cable) if bending else 0.0
+        self.sag = lambda_squared(cable) if sag else 0.0
         self._pieces = np.diff(dampers.places, prepend=0.0, append=1.0)
 
     def undamped(self, count: int) -> np.ndarray:
         """i omega (count,): odd modes symmetric, even ones antisymmetric, numbered as on the string."""
-        even = [self._frequency(self._antisymmetric(n)) for n in range(2, count + 1, 2)]
-        odd = [self._frequency(beta) for beta in self._symmetric((count + 1) // 2)]
-        omega = np.empty(count)
-        omega[0::2], omega[1::2] = odd, even
-        return 1j * omega
+        e, ends = self.epsilon, self.ends
+        q = np.array(
+            [
+                sagging_wave_number(n, self.sag, e, ends) if self.sag and n % 2 else wave_number(n, e, ends)
+                for n in range(1, count + 1)
+            ]
+        )
+        return 1j * q * np.sqrt(1 + e * q**2)
 
     def log_derivative(self, s: np.ndarray, t: complex) -> np.ndarray:
         """(n,): d log det A/ds = trace(A^-1 A'), A' by central differences (only Newton's path depends on it)."""
@@ -139,49 +130,3 @@ class DampedBeam:
         if self.sag:
             matrix[:, -1, -1] = 1 + self.sag / s**2
         return matrix
-
-    def _frequency(self, beta: float) -> float:
-        return beta * sqrt(1 + self.epsilon * beta**2)
-
-    def _antisymmetric(self, n: int) -> float:
-        """The wave number of an even mode: n pi, or clamped beta = alpha tan(beta/2)/tanh(alpha/2)."""
-        if not self.epsilon or self.ends == "pinned":
-            return n * pi
-
-        def balance(beta: float) -> float:
-            alpha = sqrt(beta**2 + 1 / self.epsilon)
-            return beta * cos(beta / 2) * tanh(alpha / 2) - alpha * sin(beta / 2)
-
-        return _root(balance, n * pi, (n + 1) * pi)
-
-    def _symmetric(self, count: int) -> list[float]:
-        """The wave numbers of the first odd modes; a string with sag gives Irvine's equation."""
-
-        def balance(beta: float) -> float:
-            layer = area = 0.0
-            if self.epsilon:
-                alpha = sqrt(beta**2 + 1 / self.epsilon)
-                clamped = self.ends == "clamped"
-                layer = (
-                    beta * sin(beta / 2) / (alpha * tanh(alpha / 2))
-                    if clamped
-                    else beta**2 * cos(beta / 2) / alpha**2
-                )
-                area = 2 * layer * tanh(alpha / 2) / alpha
-            ratio = self.sag / self._frequency(beta) ** 2
-            return (1 - ratio) * (cos(beta / 2) + layer) + ratio * (2 * sin(beta / 2) / beta + area)
-
-        grid = np.linspace(0.5 * pi, (2 * count + 3) * pi, 40 * (2 * count + 3))
-        values = np.array([balance(beta) for beta in grid])
-        roots = [
-            _root(balance, grid[i], grid[i + 1])
-            for i in np.flatnonzero((values[:-1] < 0) != (values[1:] < 0))
-        ]
-        if len(roots) < count:
-            raise ComputationError(f"only {len(roots)} of {count} symmetric modes were found")
-        return roots[:count]
-
-
-def _root(function: Callable[[float], float], low: float, high: float) -> float:
-    """The root between two points of different signs."""
-    return brentq(function, low, high, xtol=1e-14)  # type: ignore[return-value]

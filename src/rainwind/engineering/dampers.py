@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isinf, pi, sqrt
-from typing import Protocol
+from math import pi, sqrt
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -22,8 +22,8 @@ __all__ = [
     "damped_cable",
     "damped_modes",
     "damper_work",
-    "scaled_roots",
-    "whole_number",
+    "force",
+    "stroke",
 ]
 
 SMALL = 1e-3
@@ -115,9 +115,7 @@ def damped_modes(
     shares = (at / largest[:, None])[:, model.dampers.index]
     scale = cable.wave_speed / cable.length / (2 * pi)
     return tuple(
-        DampedMode(
-            n, float(root.imag) * scale, max(float(-root.real / abs(root)), 0.0), tuple(map(float, share))
-        )
+        DampedMode(n, float(root.imag) * scale, float(ratios_of(root)), tuple(map(float, share)))
         for n, root, share in zip(range(1, count + 1), roots, shares, strict=True)
     )
 
@@ -136,13 +134,26 @@ def damper_work(mode: DampedMode, dampers: Sequence[Damper], amplitude: float) -
             "give the same dampers"
         )
     omega, done = 2 * pi * mode.frequency, []
-    for damper, share in zip(dampers, mode.position_shares, strict=True):
-        c, k = damper.coefficient, damper.support_stiffness
-        displacement = share * amplitude
-        stroke = displacement if isinf(k) else displacement / abs(1 + 1j * omega * c / k)
-        force = omega * c * stroke
-        done.append(DamperWork(displacement, stroke, force, force * omega * stroke / 2))
+    for number, (damper, share) in enumerate(zip(dampers, mode.position_shares, strict=True)):
+        across, pull = stroke(damper, mode, number, amplitude), force(damper, mode, number, amplitude)
+        done.append(
+            DamperWork(share * amplitude, float(across), float(pull), float(pull * omega * across / 2))
+        )
     return tuple(done)
+
+
+def stroke(damper: Damper, mode: DampedMode, number: int, amplitude: Any) -> Any:
+    """Amplitude across the dashpot, m, of damper 0, 1, ... of the mode, for the antinode's amplitude(s), m.
+
+    The displacement at the damper over |1 + i omega c/k| (derived), for a steady vibration of the mode's frequency.
+    """
+    yielding = 2 * pi * mode.frequency * damper.coefficient / damper.support_stiffness
+    return np.asarray(amplitude) * mode.position_shares[number] / abs(1 + 1j * yielding)
+
+
+def force(damper: Damper, mode: DampedMode, number: int, amplitude: Any) -> Any:
+    """Amplitude of the force, N, omega c times the stroke: |Z(i omega)| times the displacement at the damper."""
+    return 2 * pi * mode.frequency * damper.coefficient * stroke(damper, mode, number, amplitude)
 
 
 def damped_cable(
@@ -194,6 +205,11 @@ def _back(model: DampedCable, roots: np.ndarray, scale: float, count: int) -> np
     if len(vibrating) < count:
         raise ComputationError(f"only {len(vibrating)} of {count} modes vibrate with these dampers")
     return vibrating[np.argsort(np.imag(vibrating))][:count]
+
+
+def ratios_of(roots: np.ndarray) -> np.ndarray:
+    """-Re(lambda)/|lambda| of roots of any shape; rounding below zero is cut off."""
+    return np.maximum(-np.real(roots) / np.abs(roots), 0.0)
 
 
 def whole_number(name: str, value: object) -> int:
