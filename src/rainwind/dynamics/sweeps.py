@@ -166,7 +166,9 @@ def _walk(holder: "_Holder", x: np.ndarray, first: float, last: float, step: flo
                 if before.held > holder.longest:
                     break
                 # it had not settled, so this is no jump yet: wait there for as long as it takes
-                levels.pop()
+                gone = levels.pop()
+                if jumps and jumps[-1].after is gone:  # judged anew, with what it comes to
+                    jumps.pop()
                 value, level = before.value, holder.settle(before.value, before.state, patient=True)
                 before = levels[-1] if levels else None
             far = before is not None and holder.far(before, level)
