@@ -12,7 +12,14 @@ from rainwind.engineering.cable import Cable, Damper
 from rainwind.engineering.damped_beam import Ends
 from rainwind.engineering.damper_curve import damper_curve, krenk_damping, optimum_coefficient, support_factor
 from rainwind.engineering.dampers import (
-    damped_cable, damped_modes, damper_work, force, ratios_of, scaled_roots, stroke, whole_number,
+    damped_cable,
+    damped_modes,
+    damper_work,
+    force,
+    ratios_of,
+    scaled_roots,
+    stroke,
+    whole_number,
 )  # fmt: skip
 from rainwind.errors import InputError
 from rainwind.physics.checks import positive
