@@ -323,7 +323,9 @@ def schema(
         raise InputError(f"{file}: exists already; choose another name or give --force to overwrite it")
     make_folder(file.parent)
     file.write_text(case_schema_text(), encoding="utf-8")
-    typer.echo(f"written to {file}; begin a case with the line '#:schema {file}' for an editor to use it")
+    typer.echo(
+        f"written to {file}; a case beside it that begins with '#:schema ./{file.name}' is checked by editors"
+    )
 
 
 def main() -> None:
