@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+import rainwind as rw
+from rainwind.dynamics.sweeps import sweep
 from rainwind.studies import wind_sweep
 
 approx = pytest.approx
@@ -61,6 +63,27 @@ def test_hysteresis(result):
     assert np.all(from_a["y"] < 1e-4)
     assert from_a.values[-1] == back.values[-1] == 11.6
     assert back["y"][-1] > 0.2
+
+
+def test_a_jump_at_a_fold_of_cycles_of_the_rivulet():
+    """Cubic coefficients, 0.1 % damping: the fold by collocation, the jump by simulation in steps of 0.05 m/s."""
+    model = rw.paper_model(coefficients="reconstructed-cubic").with_parameters(
+        {"section.damping_ratio": 0.001}
+    )
+    (cycle,) = [orbit for orbit in wind_sweep.cycle_map(model).cycles(16.85) if orbit.stable]
+    branch = rw.continue_orbits(model, "wind.speed", start=cycle, until=(16.6, 16.9))
+    (fold,) = [p.parameter for p in branch.points("lpc")]
+    assert fold == approx(16.7305, abs=1e-4)
+    found = sweep(
+        model, "wind.speed", start=cycle.profile[0], until=(16.85, 16.65), step=0.1, finest=0.05,
+        scales={"phi": 0.5, "y": 0.1, "z": 0.1}, push={"y": 1e-3}, hold=60.0, longest=3000.0, tolerance=1e-8,
+    )  # fmt: skip
+    (jump,) = found.jumps
+    assert jump.after is not None
+    assert jump.after.value < fold < jump.before.value
+    assert jump.before.value - jump.after.value == approx(0.05)
+    assert jump.before.amplitude[0] > 0.4
+    assert jump.after.amplitude[0] < 0.01
 
 
 def test_the_picture(result, tmp_path):

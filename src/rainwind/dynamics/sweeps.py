@@ -66,7 +66,11 @@ class Level:
 
 @dataclass(frozen=True)
 class SweepJump:
-    """Between two levels, no more than the finest step apart, the system went elsewhere; after: None if nowhere."""
+    """Between two levels the system went elsewhere; value: half way between them; after: None if nowhere.
+
+    They are no more than the finest step apart, unless the level before it had not settled even with patience: beside
+    a fold of cycles the system lingers where the cycle was. Then `before` is the one before that.
+    """
 
     before: Level
     after: Level | None
@@ -163,7 +167,7 @@ def _walk(holder: "_Holder", x: np.ndarray, first: float, last: float, step: flo
             level = holder.settle(value, x)
             before = levels[-1] if levels else None
             while before is not None and not before.steady and holder.far(before, level):
-                if before.held > holder.longest:
+                if holder.lingers(before):
                     break
                 # it had not settled, so this is no jump yet: wait there for as long as it takes
                 gone = levels.pop()
@@ -177,7 +181,10 @@ def _walk(holder: "_Holder", x: np.ndarray, first: float, last: float, step: flo
                 value = before.value + sign * h
                 continue
             if far and before is not None:
-                jumps.append(SweepJump(before, level, 0.5 * (before.value + value)))
+                k = len(levels) - 1
+                while k > 0 and holder.lingers(levels[k]) and not (jumps and levels[k] is jumps[-1].after):
+                    k -= 1
+                jumps.append(SweepJump(levels[k], level, 0.5 * (levels[k].value + value)))
                 h = step
             if level is None:
                 ended, note = SweepEnded.LEFT, f"at {holder.along} = {value:.6g}: {holder.note}"
@@ -224,6 +231,10 @@ class _Holder:
             return True
         gaps = np.maximum(np.abs(one.low - other.low), np.abs(one.high - other.high))[self.watched]
         return bool(np.any(gaps > _BIG * self.sizes))
+
+    def lingers(self, level: Level) -> bool:
+        """Whether a level had not settled even with patience: it may be on its way elsewhere."""
+        return not level.steady and level.held > self.longest
 
     def settle(self, value: float, x: np.ndarray, *, patient: bool = False) -> Level | None:
         """The level at a value, from a state; None if a run ended early, and `note` says how.

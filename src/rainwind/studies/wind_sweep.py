@@ -360,7 +360,7 @@ def tables(result: Result) -> dict[str, Table]:
         {
             "direction": Column(np.array([_way(j) for j in jumps], dtype=object), "", "of the wind"),
             "wind_speed": Column(np.array([j.speed for j in jumps]), "m/s", "undisturbed wind speed of the jump"),
-            "resolution": Column(np.array([j.resolution for j in jumps]), "m/s", "half the last step"),
+            "resolution": Column(np.array([j.resolution for j in jumps]), "m/s", "either way"),
             "before": Column(np.array([j.before for j in jumps], dtype=object), "", "what it leaves"),
             "after": Column(np.array([j.after for j in jumps], dtype=object), "", "where it goes"),
             "kind": Column(np.array([j.kind for j in jumps], dtype=object), "", "nearest point of the limit cycles"),
