@@ -1,6 +1,7 @@
 """Case files of bridges: what is read, and each fault with its line."""
 
 import re
+from contextlib import suppress
 from dataclasses import replace
 from math import inf, isclose, pi, radians, sqrt
 from pathlib import Path
@@ -458,6 +459,48 @@ def test_which_kind_a_file_is(tmp_path: Path):
         is_bridge_case(case)
 
 
+ODD = (
+    "true",
+    "nan",
+    "-1",
+    "0",
+    '"x"',
+    '""',
+    "[]",
+    "{}",
+    "1e400",
+    "2020-01-01",
+    '[1, "a"]',
+    "[[]]",
+    "[{a = 1}]",
+)
+
+
+@pytest.mark.parametrize("value", ODD)
+def test_any_value_is_read_or_refused_and_never_another_error(value: str, tmp_path: Path):
+    (tmp_path / "climate.csv").write_text("time,speed_m_s\n0,1\n", encoding="utf-8")
+    (tmp_path / "stays.csv").write_text("name,length_m\nS2,90\n", encoding="utf-8")
+    lines = switched_on().splitlines()
+    bridge_from_text("\n".join(lines), folder=tmp_path)
+    for index, line in enumerate(lines):
+        key, equals, _ = line.partition(" = ")
+        if line.startswith(("#", "[")) or not equals:
+            continue
+        text = "\n".join([*lines[:index], f"{key} = {value}", *lines[index + 1 :]])
+        with suppress(CaseError):
+            bridge_from_text(text, folder=tmp_path)
+    for table in (*BRIDGE_KEYS.tables, "cable.damper"):
+        with pytest.raises(CaseError):
+            bridge_from_text(f"schema = 1\n{table} = {value}\n", folder=tmp_path)
+
+
+def switched_on() -> str:
+    """The example with all that is switched off, and what its table of stays leaves out."""
+    text = re.sub(r"(?m)^# (?=\[|\w+ = )", "", EXAMPLE)
+    more = "diameter_mm = 160\nmass_kg_m = 60\ntension_kN = 3000\ninclination_deg = 30\n"
+    return text.replace("[site]", more + "[site]")
+
+
 # ---- the example, and those shipped
 
 
@@ -466,9 +509,9 @@ def test_the_example_reads_with_every_table_switched_on(tmp_path: Path):
     assert bridge.stays[0].length == 130.0
     assert bridge.question == replace(Question(), sets=bridge.question.sets)
     assert (bridge.site, bridge.limits) == (Site(), Limits())
-    on = re.sub(r"(?m)^# (?=\[|\w+ = )", "", EXAMPLE)
+    on = switched_on()
     (tmp_path / "climate.csv").write_text("time,speed_m_s\n0,1\n", encoding="utf-8")
-    table = "name,length_m,diameter_mm,mass_kg_m,tension_MN,inclination_deg\nS2,90,160,60,3,30\n"
+    table = "name,length_m\nS2,90\n"
     (tmp_path / "stays.csv").write_text(table, encoding="utf-8")
     whole = bridge_from_text(on, folder=tmp_path)
     assert [stay.name for stay in whole.stays] == ["S1", "S2"]

@@ -261,7 +261,7 @@ _OPTIONS = (
     Option(
         "assessment",
         "sets",
-        tuple(name.replace("_", "-") for name in _QUESTION.sets),
+        _QUESTION.sets,
         "of coefficients: shipped ones, or files beside this one",
         form="texts",
     ),
