@@ -2,7 +2,7 @@
 
 import numpy as np
 import scipy.linalg
-from scipy.sparse import block_array, csc_array, eye_array, lil_array
+from scipy.sparse import block_array, block_diag, csc_array, diags_array, eye_array
 from scipy.sparse.linalg import LinearOperator, eigs, splu
 
 Dampers = list[tuple[float, float, float | None]]
@@ -16,15 +16,15 @@ def string_eigenvalue(near: complex, elements: int, dampers: Dampers, sag: float
     """
     n, h = elements - 1, 1.0 / elements
     size = n + len(dampers) + 1
-    k, m, c = lil_array((size, size)), lil_array((size, size)), lil_array((size, size))
-    for i in range(n):
-        k[i, i], m[i, i] = 2 / h, 4 * h / 6
-        if i:
-            k[i, i - 1] = k[i - 1, i] = -1 / h
-            m[i, i - 1] = m[i - 1, i] = h / 6
-        k[i, -1] = sag * h
-        k[size - 1, i] = -h
-    k[size - 1, size - 1] = 1.0
+    chain = np.ones(n), np.ones(n - 1)
+    edge = csc_array((size - n, size - n))
+    k, m, c = (
+        block_diag(
+            [diags_array([off * chain[1], on * chain[0], off * chain[1]], offsets=[-1, 0, 1]), edge]
+        ).tolil()
+        for on, off in ((2 / h, -1 / h), (4 * h / 6, h / 6), (0.0, 0.0))
+    )
+    k[:n, -1], k[size - 1, :n], k[size - 1, size - 1] = sag * h, -h, 1.0
     for j, (place, eta, stiffness) in enumerate(dampers):
         i, support = round(place * elements) - 1, n + j
         assert abs((i + 1) * h - place) < 1e-12

@@ -143,3 +143,14 @@ def test_what_cannot_be():
 def test_bad_input(call, words: str):
     with pytest.raises(InputError, match=words):
         call()
+
+
+@pytest.mark.parametrize(
+    ("epsilon", "ends", "ratio", "stiffer"),
+    [(1e-5, "clamped", 0.0148, 1.18), (1e-4, "clamped", 0.0138, 1.84), (1e-5, "pinned", 0.0164, 1.06)],
+)
+def test_what_bending_does_as_the_page_on_dampers_says(epsilon: float, ends, ratio: float, stiffer: float):
+    cable = Cable("B", 100.0, 0.16, 60.0, 1.5e6, 0.5, 0.0, bending_stiffness=epsilon * 1.5e6 * 1e4)
+    coefficient, found = best_damping(cable, 1, 3.0, bending=True, ends=ends)
+    assert found == approx(ratio, abs=6e-5)
+    assert coefficient / best_damping(cable, 1, 3.0)[0] == approx(stiffer, abs=6e-3)

@@ -1,7 +1,7 @@
 """Against the single damper's equation, sourced maxima, limits in closed form, finite elements and a mirror."""
 
 from math import atan, inf, pi, sqrt
-from time import perf_counter
+from time import process_time
 
 import numpy as np
 import pytest
@@ -269,7 +269,7 @@ DAMPERS = st.lists(
 OTHER = {"lower": "upper", "upper": "lower"}
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=25)
 @given(DAMPERS)
 def test_dampers_take_energy_and_a_mirror_changes_nothing(drawn):
     here = [damper(*d) for d in drawn]
@@ -282,7 +282,20 @@ def test_dampers_take_energy_and_a_mirror_changes_nothing(drawn):
         assert a.position_shares == approx(b.position_shares, rel=1e-6)
 
 
-@settings(deadline=None, max_examples=40)
+@pytest.mark.parametrize(
+    "options", [{"sag": True}, {"bending": True}, {"sag": True, "bending": True, "ends": "pinned"}]
+)
+def test_a_mirror_changes_nothing_with_sag_and_bending(options):
+    here = [damper(0.03, 9.0, 50.0), damper(0.06, 2.0), damper(0.02, 5.0, end="upper")]
+    there = [damper(0.03, 9.0, 50.0, "upper"), damper(0.06, 2.0, end="upper"), damper(0.02, 5.0)]
+    for a, b in zip(
+        damped_modes(CABLE, 3, here, **options), damped_modes(CABLE, 3, there, **options), strict=True
+    ):
+        assert (a.frequency, a.damping_ratio) == approx((b.frequency, b.damping_ratio), rel=1e-9)
+        assert a.position_shares == approx(b.position_shares, rel=1e-6)
+
+
+@settings(deadline=None, max_examples=30)
 @given(PLACE, PLACE, st.floats(0.001, 0.02), st.floats(0.001, 0.02))
 def test_weak_dampers_at_both_ends_add(a: float, b: float, eta: float, theta: float):
     one, two, both = (
@@ -315,7 +328,7 @@ def test_a_damper_beyond_mid_span():
 
 def test_a_bridge_of_twelve_stays_takes_no_time():
     two = [damper(0.03, 8.0), damper(0.02, 9.0, 100.0, "upper")]
-    start = perf_counter()
+    start = process_time()
     for _ in range(12):
         damped_modes(CABLE, 5, two)
-    assert perf_counter() - start < 1.0  # 0.08 s on an idle core
+    assert process_time() - start < 1.0  # 0.08 s on an idle core
