@@ -16,6 +16,11 @@ from rainwind.io.stay_tables import read_stay_rows
 __all__ = ["read_stays"]
 
 LOWEST, HIGHEST = 0.05, 20.0  # Hz: no stay has a first frequency outside (engineer's judgement, chosen wide)
+SLACK, BREAKS = (
+    5.0,
+    20000.0,
+)  # MPa if all mass is steel: a factor 1000 in any tension leaves it; carbon stays do not
+STEEL = 7850.0  # kg/m³
 LARGEST_DAMPING = 0.05  # of critical; stays without dampers have 0.0005 to 0.003
 _FILLED_IN = ("damping", "surface", "base_height", "bending_stiffness")
 _NUMBERS = BRIDGE_KEYS.numbers_of("cable")
@@ -203,7 +208,7 @@ def _cable(stay: _Stay, defaults: dict[str, Given], shared: list[_Damper]) -> Ca
     """The stay, or None after a fault; what does not need the faulty values is checked all the same."""
     refused = [name for name, given in stay.values.items() if _refused(name, given, stay.place)]
     values = {name: given for name, given in (defaults | stay.values).items() if name not in refused}
-    wrong = bool(refused) | _impossible_frequency(values, stay.place)
+    wrong = bool(refused) | _impossible_tension(values, stay.place)
     name = _name(stay)
     dampers = [*stay.dampers, *(one for one in shared if one.stays is None or name in one.stays)]
     for one in dampers:
@@ -241,24 +246,30 @@ def _assumed(stay: _Stay, defaults: dict[str, Given]) -> tuple[str, ...]:
     return tuple(dict.fromkeys([*own, *taken, *filled]))
 
 
-def _impossible_frequency(values: dict[str, Given], place: Place) -> bool:
-    """Whether the tension makes an impossible first frequency, which is then told."""
+def _impossible_tension(values: dict[str, Given], place: Place) -> bool:
+    """Whether the tension makes an impossible first frequency or stress, which is then told."""
     if not {"tension", "mass", "length"} <= set(values):
         return False
     tension, mass, length = (values[name] for name in ("tension", "mass", "length"))
-    frequency = sqrt(tension.value / mass.value) / (2 * length.value)
-    if LOWEST <= frequency <= HIGHEST:
+
+    def made(force: float) -> tuple[float, float, bool]:
+        frequency = sqrt(force / mass.value) / (2 * length.value)
+        stress = force * STEEL / mass.value / 1e6
+        return frequency, stress, LOWEST <= frequency <= HIGHEST and SLACK <= stress <= BREAKS
+
+    frequency, stress, possible = made(tension.value)
+    if possible:
         return False
-    slips = {1000.0: "a thousand times the tension", 0.001: "a thousandth of the tension"}
     remedy = "correct the tension, mass or length, or a unit"
-    for factor, words in slips.items():
-        other = frequency * sqrt(factor)
-        if LOWEST <= other <= HIGHEST:
+    for factor, words in ((1000.0, "a thousand times the tension"), (0.001, "a thousandth of the tension")):
+        other, _, fits = made(factor * tension.value)
+        if fits:
             remedy = f"with {words} it would be {other:.3g} Hz: is the unit right, kN or MN?"
             break
     place.add(
         f"{tension.key} = {tension.raw!r} with {mass.value:g} kg/m over {length.value:g} m gives a first frequency of "
-        f"{frequency:.3g} Hz; stays have {LOWEST:g} to {HIGHEST:g} Hz; {remedy}",
+        f"{frequency:.3g} Hz and, if all mass is steel, a stress of {stress:.6g} MPa; allowed is {LOWEST:g} to "
+        f"{HIGHEST:g} Hz and {SLACK:g} to {BREAKS:g} MPa; {remedy}",
         tension.key,
     )
     return True
