@@ -179,8 +179,8 @@ FAULTS = {
         "tension_kN",
         "tension_kN = 3",
         "line 9: tension_kN = 3 with 60 kg/m over 100 m gives a first frequency of 0.0354 Hz and, if all mass is "
-        "steel, a stress of 0.3925 MPa; allowed is 0.05 to 20 Hz and 5 to 20000 MPa; with a thousand times the tension it "
-        "would be 1.12 Hz: is the unit right, kN or MN?",
+        "steel, a stress of 0.3925 MPa; allowed is 0.05 to 20 Hz and 5 to 20000 MPa; with a thousand times the "
+        "tension it would be 1.12 Hz: is the unit right, kN or MN?",
     ),
     "tension in MN for kN": (
         "tension_kN",
