@@ -1,6 +1,6 @@
 """How strongly a section vibrates in the end: many rivulets at many wind speeds, followed in time."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,6 +20,8 @@ LAST = 60.0
 """Periods at its end in which the amplitude is taken."""
 DISPLACED = 1.0
 """Diameters by which the cable is displaced at the start, so that a vibration that needs a push is found too."""
+NUDGED = 0.05
+"""Diameters by which it is displaced where the first run loses its rivulet."""
 _TOLERANCE = 1e-7
 
 
@@ -27,8 +29,10 @@ _TOLERANCE = 1e-7
 class Vibrations:
     """Runs of any shape: amplitude, half peak to peak of y or z, whichever is larger, in m; lost.
 
-    amplitude: 0 where no upper rivulet is at the start, nan where the rivulet was lost or the run failed: then the
-    cable comes to rest until another one forms. lost: whether it was.
+    amplitude: that of the last `LAST` periods; 0 without an upper rivulet. lost: whether the rivulet leaves the upper
+    side. Then the amplitude is the largest of a run from nearly at rest, until the rivulet is lost and the section
+    swings out. A whole stay goes on at about that amplitude: its pieces lose their rivulets one after another
+    (docs/cables.md).
     """
 
     amplitude: np.ndarray
@@ -36,37 +40,45 @@ class Vibrations:
 
 
 def vibrations(
-    model: RivuletModel,
-    state: np.ndarray,
-    parameters: Mapping[str, np.ndarray],
-    *,
-    workers: Any = None,
-    progress: Callable[[int, int, str], None] | None = None,
+    model: RivuletModel, state: np.ndarray, parameters: Mapping[str, np.ndarray], *, workers: Any = None
 ) -> Vibrations:
     """Follow each start for `PERIODS`; state (..., 6) at rest, nan without an upper rivulet; parameters (...).
 
-    The amplitude is that of the last `LAST` periods. Ctrl-C raises KeyboardInterrupt.
+    Ctrl-C raises KeyboardInterrupt.
     """
     there = np.isfinite(state[..., 1])
     amplitude, lost = np.zeros(there.shape), np.zeros(there.shape, dtype=bool)
     if not there.any():
         return Vibrations(amplitude, lost)
-    start = state[there].copy()
-    start[:, model.states.index("y")] += DISPLACED * model.section.diameter
+    starts, varying = state[there], {name: values[there] for name, values in parameters.items()}
+    period = 1.0 / min(model.section.frequency_y, model.section.frequency_z)
+    found, gone = _run(model, starts, varying, DISPLACED, (PERIODS - LAST) * period, workers)
+    if gone.any():
+        some = {name: values[gone] for name, values in varying.items()}
+        found[gone], _ = _run(model, starts[gone], some, NUDGED, 0.0, workers)
+    amplitude[there], lost[there] = found, gone
+    return Vibrations(amplitude, lost)
+
+
+def _run(
+    model: RivuletModel,
+    rest: np.ndarray,
+    varying: Mapping[str, np.ndarray],
+    diameters: float,
+    since: float,
+    workers: Any,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Amplitudes from `since` (s) on, and whether the rivulet is on the lower side in the end; each (N,)."""
+    start = rest.copy()
+    start[:, model.states.index("y")] += diameters * model.section.diameter
     period = 1.0 / min(model.section.frequency_y, model.section.frequency_z)
     run = ensemble(
-        ScatteredModel(model), start,
-        varying={name: values[there] for name, values in parameters.items()},
-        duration=PERIODS * period, tolerance=_TOLERANCE, workers=workers, progress=progress,
-        reduce=Extremes(of=("y", "z"), since=(PERIODS - LAST) * period),
+        ScatteredModel(model), start, varying=varying, duration=PERIODS * period, tolerance=_TOLERANCE,
+        workers=workers, reduce=Extremes(of=("y", "z"), since=since),
     )  # fmt: skip
     if run.interrupted:
         raise KeyboardInterrupt
-    found = np.asarray(run["amplitude"]).max(axis=1)
     phi = run.final[:, model.states.index("phi")]
+    turned = beta(varying["wind.yaw"], model.section.inclination)
     # the cable's top is at phi = -beta; a rivulet more than 120 degrees from it is lost
-    turned = beta(parameters["wind.yaw"][there], model.section.inclination)
-    gone = ~np.isfinite(found) | (np.cos(phi + turned) + 0.5 < 0.0)
-    amplitude[there] = np.where(gone, np.nan, found)
-    lost[there] = gone
-    return Vibrations(amplitude, lost)
+    return np.asarray(run["amplitude"]).max(axis=1), ~(np.cos(phi + turned) + 0.5 >= 0.0)

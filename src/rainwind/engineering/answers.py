@@ -74,10 +74,10 @@ class ModeAnswer:
     where rivulets have been observed; speeds (k,) and amplitudes (k, 3): its band over speed. amplitude_dampers, ...:
     with the stay's dampers, None without any. damping_needed: ratio above which no direction and speed is unstable;
     damping_needed_observed: the same over the observed speeds only. rule_damping: ratio that the PTI rule asks for.
-    lost: (k,) share of samples of which the rivulet is lost before a steady vibration; their amplitude is no part of
-    the band. build_up: s from a tenth of a diameter to the amplitude. stroke, force: of the damper, m and N.
-    uplift: mean displacement upwards by the wind, m. hours: a year, in the range with rain; None without climate.
-    cycles: a year, in `cycle_edges` of amplitude (m).
+    lost: (k,) share of samples that lose their rivulet before a steady vibration; their amplitude is the largest
+    until then. build_up: s from a tenth of a diameter to the amplitude. stroke, force: of the damper, m and N.
+    uplift: mean displacement of mid-span upwards by the wind's lift, m. hours: a year, in the range with rain; None
+    without climate. cycles: a year, in `cycle_edges` of amplitude (m).
     """
 
     number: int

@@ -35,6 +35,9 @@ __all__ = ["Setting"]
 _SPEEDS = 64  # looked at, for the range
 _STEPS = 14  # of the observed speeds, for the amplitude
 _BUILD_UP_FROM = 0.1  # diameters
+_MID_SPAN = (
+    pi**2 / 8
+)  # displacement of a string's mid-span by an even load, over that of the section of mode 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +115,7 @@ class Setting:
             amplitudes=_bands(amplitude),
             amplitude=Band.of(largest),
             build_up=Band.of(_build_up(slow, largest, cable.diameter)),
-            uplift=Band.of(np.nanmax(np.where(np.isfinite(rest), -rest, -np.inf), axis=1)),
+            uplift=Band.of(_MID_SPAN * mode.number**2 * _largest(-rest)),
             lost=lost,
             amplitudes_undamped=None if undamped is None else _bands(undamped),
             amplitude_undamped=None if undamped is None else Band.of(_largest(undamped)),
@@ -215,9 +218,9 @@ def _over_directions(values: np.ndarray, least: Any) -> np.ndarray:
     return least.reduce(values, axis=1)
 
 
-def _largest(amplitude: np.ndarray) -> np.ndarray:
-    """The largest at any speed (s,): nan where the rivulet is lost at every speed at which it does not rest."""
-    return np.fmax.reduce(amplitude, axis=1)
+def _largest(values: np.ndarray) -> np.ndarray:
+    """The largest at any speed (s, k) -> (s,); nan where there is none."""
+    return np.fmax.reduce(values, axis=1)
 
 
 def _build_up(rate: np.ndarray, amplitude: np.ndarray, diameter: float) -> np.ndarray:

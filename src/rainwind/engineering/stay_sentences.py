@@ -1,7 +1,7 @@
 """What the numbers of a stay mean: its verdict, and sentences an engineer can act on."""
 
 from collections.abc import Iterator, Sequence
-from math import degrees, isfinite
+from math import degrees
 
 from rainwind.engineering.answers import Band, ModeAnswer, StayAnswer, Verdict
 from rainwind.engineering.bridge import Bridge
@@ -56,8 +56,8 @@ def _said(answer: StayAnswer, mode: ModeAnswer, bridge: Bridge) -> Iterator[str]
     for one in answer.modes:
         if one.lost is not None and one.lost.max() >= 0.5:
             yield (
-                f"In mode {one.number} the rivulet is lost in most samples at some wind speeds before a steady "
-                "vibration is reached: the cable then swings up and comes to rest until another rivulet forms."
+                f"In mode {one.number} most samples lose their rivulet at some wind speeds before a steady "
+                "vibration is reached; the amplitude given is the largest until then."
             )
             break
 
@@ -84,10 +84,7 @@ def _range(answer: StayAnswer, observed: Sequence[float]) -> str:
 
 
 def _amplitude(answer: StayAnswer, bridge: Bridge) -> str:
-    with_amplitude = [mode for mode in answer.modes if isfinite(mode.amplitude.middle)]
-    if not with_amplitude:
-        return "No sample reaches a steady vibration: the rivulet is lost first."
-    mode = max(with_amplitude, key=lambda one: one.amplitude.high)
+    mode = max(answer.modes, key=lambda one: one.amplitude.high)
     diameter = answer.cable.diameter
     if mode.amplitude.high < 0.05 * diameter:
         return "In time no sample vibrates by more than a twentieth of a diameter."
@@ -114,13 +111,13 @@ def _rule_and_model(mode: ModeAnswer) -> str:
     begin = f"The PTI rule asks for {rule:.2f} %, the model for {needed:.2f} % (middle)"
     if needed > 1.25 * rule:
         return (
-            f"{begin}: the model asks for more because the rule's Scruton number knows neither frequency nor rivulet, "
-            "and a slow, easily moved rivulet feeds more energy into a cable of low frequency."
+            f"{begin}: what the model asks for falls as the frequency and the rivulet's friction rise, and the rule's "
+            "Scruton number knows neither."
         )
     if needed < 0.8 * rule:
         return (
-            f"{begin}: the rule asks for more because it is one number for all modes and winds, while the model finds "
-            "less energy at this frequency and rivulet friction."
+            f"{begin}: the rule is one number for all modes, and the model finds less energy at this frequency and "
+            "with this rivulet."
         )
     return f"{begin}: they agree."
 
