@@ -185,22 +185,22 @@ FAULTS = {
     ),
     "unknown column": (
         csv_text((*HEADERS, "colour [m]"), [(*ROWS[0], "red")]),
-        "stays.csv: unknown column 'colour [m]'; ",
+        "stays.csv, row 1: unknown column 'colour [m]'; ",
     ),
     "nearly a key": (
         csv_text((*HEADERS[:5], "inclinaton_deg"), [ROWS[0]])
         .replace("name,", "inclination_deg,name,")
         .replace("1N", "1,1N"),
-        "stays.csv: unknown column 'inclinaton_deg'; did you mean 'inclination_deg'?",
+        "stays.csv, row 1: unknown column 'inclinaton_deg'; did you mean 'inclination_deg'?",
     ),
     "no column": (
         csv_text(HEADERS[:5], [row[:5] for row in ROWS]),
-        "stays.csv: no column gives the inclination; add one with the header inclination_deg, or inclination_deg in "
-        "[cable_defaults]",
+        "stays.csv, row 1: no column gives the inclination; add one with the header inclination_deg, or "
+        "inclination_deg in [cable_defaults]",
     ),
     "two columns of one thing": (
         csv_text((*HEADERS, "length [cm]"), [(*ROWS[0], 3)]),
-        "stays.csv: the columns 'length_m' and 'length [cm]' both give the length; keep one",
+        "stays.csv, row 1: the columns 'length_m' and 'length [cm]' both give the length; keep one",
     ),
     "wrong unit": (
         csv_text((*HEADERS[:5], "inclination_m"), [ROWS[0]]),
@@ -226,7 +226,8 @@ def test_one_fault(text: str, words: str, tmp_path: Path):
 
 
 def test_faults_of_rows_come_behind_those_of_the_case_in_the_order_of_the_rows(tmp_path: Path):
-    rows = [(f"S{number}", 100, -160, 60, 3000, 30) for number in range(2, 13)]
+    rows: list[tuple[object, ...]] = [(f"S{number}", 100, -160, 60, 3000, 30) for number in range(2, 13)]
+    rows[5] = ("S7", "long", 160, 60, 3000, 30)  # found earlier than numbers that the physics refuses
     (tmp_path / "stays.csv").write_text(csv_text(rows=rows), encoding="utf-8")
     with pytest.raises(CaseError) as error:
         bridge_from_text(case("stays.csv") + "colour = 3\n", "case.toml", tmp_path)

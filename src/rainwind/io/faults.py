@@ -12,13 +12,13 @@ __all__ = ["Faults", "Part", "Place", "TableRow"]
 class Faults:
     """What is wrong with a file, and where: `lines` maps a key's path to its line.
 
-    elsewhere: faults of other files that the file names, each with its own place in words.
+    elsewhere: faults of a table that the file names, each with its row and with its place in words.
     """
 
     name: str
     lines: dict[tuple[str, ...], int]
     found: list[tuple[int, str]] = field(default_factory=list)
-    elsewhere: list[str] = field(default_factory=list)
+    elsewhere: list[tuple[int, str]] = field(default_factory=list)
 
     def add(self, text: str, *key: str) -> None:
         """A fault of `key`, or of the nearest table around it that has a line."""
@@ -37,7 +37,7 @@ class Faults:
             return
         count = "1 fault" if total == 1 else f"{total} faults"
         listed = [f"  line {line}: {text}" if line else f"  {text}" for line, text in sorted(self.found)]
-        listed += [f"  {text}" for text in self.elsewhere]
+        listed += [f"  {text}" for _, text in sorted(self.elsewhere, key=lambda fault: fault[0])]
         raise CaseError("\n".join([f"{self.name}: {count}", *listed]))
 
 
@@ -80,4 +80,4 @@ class TableRow:
     def add(self, text: str, key: str = "") -> None:
         """A fault of the cell under `key`, or of the row as a whole."""
         column = f", column '{self.columns[key]}'" if key in self.columns else ""
-        self.faults.elsewhere.append(f"{self.file}, row {self.row}{column}: {text}")
+        self.faults.elsewhere.append((self.row, f"{self.file}, row {self.row}{column}: {text}"))

@@ -49,10 +49,10 @@ def read_stay_rows(
         table.pop(0)
     if not table:
         raise InputError("is empty; write one row of headers, such as name, length_m, and one row a stay")
-    (_, headers), *rest = table
+    (first, headers), *rest = table
     if not rest:
         raise InputError("has headers and no row below them; write one row a stay")
-    columns = _columns(path.name, headers, keys, faults, defaults)
+    columns = _columns(headers, keys, TableRow(faults, path.name, first, {}), defaults)
     texts = {key: str(headers[index]).strip() for index, key in columns.items()}
     return [_row(path.name, number, cells, columns, texts, keys, faults) for number, cells in rest]
 
@@ -69,9 +69,7 @@ def key_of_header(header: str) -> str:
     return f"{name}_{unit}" if unit and unit not in ("-", "1") else name
 
 
-def _columns(
-    file: str, headers: list[Any], keys: Keys, faults: Faults, defaults: Collection[str]
-) -> dict[int, str]:
+def _columns(headers: list[Any], keys: Keys, place: TableRow, defaults: Collection[str]) -> dict[int, str]:
     """Index of each column that is known -> its key; unknown, doubled and missing ones are faults."""
     known = {**keys.numbers_of("cable"), **keys.options_of("cable")}
     dampers = {**keys.numbers_of("damper"), **keys.options_of("damper")}
@@ -87,11 +85,9 @@ def _columns(
         if name is None and inner != key and name_of(inner, dampers) not in (None, "stays"):
             name = f"{_DAMPER}{name_of(inner, dampers)}"
         if name is None:
-            faults.elsewhere.append(f"{file}: unknown column '{header}'; {advice('cable', key, keys)}")
+            place.add(f"unknown column '{header}'; {advice('cable', key, keys)}")
         elif name in names:
-            faults.elsewhere.append(
-                f"{file}: the columns '{names[name]}' and '{header}' both give the {name}; keep one"
-            )
+            place.add(f"the columns '{names[name]}' and '{header}' both give the {name}; keep one")
         else:
             names[name] = str(header)
             columns[index] = key
@@ -99,9 +95,7 @@ def _columns(
         if item.required and name not in names and name not in defaults:
             key = item.kind.keys(name)[0] if name in keys.numbers_of("cable") else name  # type: ignore[union-attr]
             where = f", or {key} in [cable_defaults]" if name != "name" else ""
-            faults.elsewhere.append(
-                f"{file}: no column gives the {name}; add one with the header {key}{where}"
-            )
+            place.add(f"no column gives the {name}; add one with the header {key}{where}")
     return columns
 
 
