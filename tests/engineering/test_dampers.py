@@ -5,7 +5,7 @@ from time import process_time
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
@@ -270,6 +270,9 @@ OTHER = {"lower": "upper", "upper": "lower"}
 
 
 @settings(deadline=None, max_examples=25)
+@example([(0.125, 2.0, inf, "lower"), (0.125, 2.0, inf, "upper")])
+@example([(0.1875, 2.0, inf, "lower")])
+@example([(0.09375, 2.00001, inf, "lower"), (0.2, 1.5, 895.0, "lower")])
 @given(DAMPERS)
 def test_dampers_take_energy_and_a_mirror_changes_nothing(drawn):
     here = [damper(*d) for d in drawn]
@@ -279,7 +282,7 @@ def test_dampers_take_energy_and_a_mirror_changes_nothing(drawn):
     assert np.diff(roots.imag).min() > 0
     for a, b in zip(damped_modes(CABLE, 3, here), damped_modes(CABLE, 3, there), strict=True):
         assert (a.frequency, a.damping_ratio) == approx((b.frequency, b.damping_ratio), rel=1e-9, abs=1e-12)
-        assert a.position_shares == approx(b.position_shares, rel=1e-6)
+        assert a.position_shares == approx(b.position_shares, rel=1e-6, nan_ok=True)
 
 
 @pytest.mark.parametrize(

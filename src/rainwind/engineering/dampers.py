@@ -28,6 +28,8 @@ __all__ = [
 
 SMALL = 1e-3
 """Dampers with less than this for the sum of c/sqrt(T m) leave the undamped roots where they are."""
+SHAPELESS = 8.0
+"""-Re(lambda) L/sqrt(T/m) above which rounding spoils the shape: exp(2 * 8) times 1e-16 is still small."""
 DETOUR = 0.6
 """rad: of the complex coefficients that lead round the places where a mode stops vibrating."""
 
@@ -39,7 +41,8 @@ class DampedMode:
     number: 1, 2, ..., counted where the dampers begin to grow from nothing (modes beyond L/2x, x a damper's position:
     by frequency). frequency: of the free vibration,
     Im(lambda)/2 pi, Hz. damping_ratio: added by the dampers, -Re(lambda)/|lambda|. position_shares: for each damper,
-    |displacement of the cable there| over the largest along the cable.
+    |displacement of the cable there| over the largest along the cable; nan for a mode that is all but
+    gone when a wave has run along the cable once.
     """
 
     number: int
@@ -112,7 +115,7 @@ def damped_modes(
     largest = np.array([_peak(row) for row in size])
     at = np.abs(model.shapes(roots, 1.0, model.dampers.places))
     largest = np.maximum(largest, at.max(axis=1, initial=0.0))
-    shares = (at / largest[:, None])[:, model.dampers.index]
+    shares = np.where(-roots.real > SHAPELESS, np.nan, (at / largest[:, None]).T).T[:, model.dampers.index]
     scale = cable.wave_speed / cable.length / (2 * pi)
     return tuple(
         DampedMode(n, float(root.imag) * scale, float(ratios_of(root)), tuple(map(float, share)))
@@ -182,29 +185,41 @@ def scaled_roots(model: DampedCable, count: int, scales: np.ndarray) -> np.ndarr
     if total == 0:
         return np.repeat(model.undamped(count)[None, :], len(scales), axis=0)
     near = np.minimum(model.dampers.places, 1.0 - model.dampers.places)
-    lost = int(np.floor(near * (count + 0.5) + 0.5).sum())
-    turn = np.exp(-1j * DETOUR) if lost else 1.0
-    roots, t = model.undamped(count + 2 * lost), complex(min(SMALL / total, float(scales[0]) / 2))
-    found = np.empty((len(scales), count), dtype=complex)
-    for i, scale in enumerate(scales):
-        roots, t = follow_roots(model.log_derivative, roots, t, scale * turn), scale * turn
-        found[i] = _back(model, roots, float(scale), count) if lost else roots
-    return found
+    lost = int(np.floor(near * (count + (1 + len(near)) / 2) + 0.5).sum())
+    start = complex(min(SMALL / total, float(scales[0]) / 2))
+    if not lost:
+        try:
+            return _followed(model, model.undamped(count), start, scales)
+        except ComputationError:  # one more mode that stops vibrating
+            lost = len(near)
+    away = _followed(model, model.undamped(count + 2 * lost), start, scales * np.exp(-1j * DETOUR))
+    return np.array(
+        [_back(model, roots, float(scale), count) for roots, scale in zip(away, scales, strict=True)]
+    )
+
+
+def _followed(model: DampedCable, roots: np.ndarray, start: complex, at: np.ndarray) -> np.ndarray:
+    """The roots (k, n) with the coefficients times each of `at` (k,)."""
+    found, t = [], start
+    for scale in at:
+        roots, t = follow_roots(model.log_derivative, roots, t, scale), scale
+        found.append(roots)
+    return np.array(found)
 
 
 def _back(model: DampedCable, roots: np.ndarray, scale: float, count: int) -> np.ndarray:
     """The first roots (count,) by frequency with the true coefficients, from those of complex ones."""
-    found = None
-    while found is None and len(roots) >= count:
+    while len(roots) >= count:
         try:
             found = follow_roots(model.log_derivative, roots, scale * np.exp(-1j * DETOUR), complex(scale))
         except ComputationError:  # close to c = 2 sqrt(T m) a root lies out of reach: it vibrates no more
             roots = np.delete(roots, np.argmin(np.real(roots)))
-    roots = np.empty(0) if found is None else found
-    vibrating = roots[np.imag(roots) > 1e-6]
-    if len(vibrating) < count:
-        raise ComputationError(f"only {len(vibrating)} of {count} modes vibrate with these dampers")
-    return vibrating[np.argsort(np.imag(vibrating))][:count]
+            continue
+        vibrating = found[np.imag(found) > 1e-6]
+        if len(vibrating) >= count:
+            return vibrating[np.argsort(np.imag(vibrating))][:count]
+        break
+    raise ComputationError(f"fewer than {count} modes vibrate with these dampers")
 
 
 def ratios_of(roots: np.ndarray) -> np.ndarray:
