@@ -1,6 +1,7 @@
 """Wind sweeps of the sample case against AUTO-07p and continuation; a fold of cycles: tests/dynamics/test_sweeps.py."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -105,4 +106,38 @@ def test_tables_and_sentences(result):
     assert "Rising wind from A at 10.60 m/s: no jump; at 11.60 m/s it is at rest at A." in said
     assert (
         "it jumps from a vibration to A; the nearest point of the limit cycles is the Neimark–Sacker" in said
+    )
+
+
+def test_what_had_not_settled_is_crossed_out_and_said(result):
+    def changed(steady):
+        sweeps = [
+            replace(
+                one,
+                levels=tuple(replace(level, steady=steady(one, k)) for k, level in enumerate(one.levels)),
+            )
+            for one in result.sweeps
+        ]
+        return replace(result, sweeps=tuple(sweeps))
+
+    def crosses(of):
+        figure = wind_sweep.draw(of, Figure())
+        legend = [text.get_text() for text in figure.legends[0].texts]
+        lines = [line for line in figure.axes[0].lines if line.get_marker() == "x"]
+        return "not settled after 50 min" in legend, np.concatenate([line.get_xdata() for line in lines])
+
+    calm = changed(lambda one, k: True)
+    shown, at = crosses(calm)
+    assert not shown
+    assert not at.size
+    assert "settled" not in "".join(wind_sweep.summary(calm))
+    first = result.sweeps[0]
+    slow = changed(lambda one, k: not (one is first and k in (0, len(one.levels) - 1)))
+    shown, at = crosses(slow)
+    assert shown
+    assert at == approx([first.values[0], first.values[-1]])
+    said = "\n".join(wind_sweep.summary(slow))
+    assert (
+        f"At 2 of its {len(first.levels)} wind speeds, 10.60 m/s and 11.60 m/s, it had not settled after 50 min"
+        in said
     )

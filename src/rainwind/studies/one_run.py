@@ -178,18 +178,20 @@ def _came_to(result: Result) -> str:
             f"It vibrates steadily{turning} from about {found.since:.0f} s on: period {found.period:.4f} s, half "
             f"peak-to-peak {size}."
         )
-    low, high = extremes_between(run, np.array([max(0.0, run.duration - 10.0 * result.period), run.duration]))
+    since = max(0.0, run.duration - 10.0 * result.period)
+    low, high = extremes_between(run, np.array([since, run.duration]))
     last = ", ".join(
         f"{name} {_read(name, low[0, run.states.index(name)])} to {_read(name, high[0, run.states.index(name)])}"
         for name in names
     )
     why = f" ({found.note})" if found is not None and found.note else ""
     settled = "It has not settled" + why + ". " if found is not None else ""
-    return f"{settled}In its last 10 periods: {last}."
+    span = "In its last 10 periods" if since > 0.0 else "In all"
+    return f"{settled}{span}: {last}."
 
 
 def _read(name: str, value: float) -> str:
-    return f"{np.degrees(value):.1f}°" if name == "phi" else f"{value:.4f} m"
+    return f"{np.degrees(value):.1f}°" if name == "phi" else f"{round(value, 4) + 0.0:.4f} m"
 
 
 def tables(result: Result) -> dict[str, Table]:

@@ -2,12 +2,14 @@
 
 The wind rises or falls in steps, each held until the vibration has settled, with a push of 1 mm at each; where much
 changes, the steps become finer, down to 0.01 m/s. Symbols: what the sweep settles to. Lines behind: the limit cycles of
-figure 7. The paper has jumps at 10.7 m/s (falling wind) and 12.7 m/s (rising wind), each to another vibration.
+figure 7. Near a point where the vibration begins or becomes unstable it settles ever more slowly; what had not after 50
+minutes is marked. The paper has jumps at 10.7 m/s (falling wind) and 12.7 m/s (rising wind), each to another vibration.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -37,6 +39,10 @@ _LOOK = {  # by whether the wind rises: marker, colour, word
     True: (">", style.BLUE, "rising wind"),
     False: ("<", style.VERMILION, "falling wind"),
 }
+# where it had not settled
+_CROSS: dict[str, Any] = {
+    "linestyle": "", "marker": "x", "markersize": 4.0, "markeredgewidth": 0.7, "color": "black", "zorder": 4,
+}  # fmt: skip
 _LOST = "an equilibrium without a letter"
 _UNITS = {"y": "m", "phi": "rad", "z": "m"}
 
@@ -274,11 +280,7 @@ def _amplitude(result: Result, axes: Axes, name: str, letter: str) -> None:
     style.panel(axes, letter, {"y": "cross-wind amplitude", "z": "in-wind amplitude"}[name])
     axes.set_ylabel(rf"half amplitude of ${name}$ (m)")
     for one in result.sweeps:
-        marker, color, _ = _LOOK[one.rising]
-        axes.plot(
-            one.values, one[name], linestyle="", marker=marker, markersize=2.6, color=color, zorder=3,
-            markeredgewidth=0.5, markerfacecolor="white" if one.rising else color, clip_on=False,
-        )  # fmt: skip
+        _symbols(axes, one, one[name])
     k = ("y", "z").index(name)
     for jump in result.jumps:
         if jump.after != "nowhere":
@@ -286,6 +288,17 @@ def _amplitude(result: Result, axes: Axes, name: str, letter: str) -> None:
         if name == "y":
             _label(axes, jump)
     axes.set_ylim(bottom=0.0)
+
+
+def _symbols(axes: Axes, one: Sweep, values: np.ndarray) -> None:
+    """One symbol for each level, crossed out where it had not settled."""
+    marker, color, _ = _LOOK[one.rising]
+    axes.plot(
+        one.values, values, linestyle="", marker=marker, markersize=2.6, color=color, zorder=3,
+        markeredgewidth=0.5, markerfacecolor="white" if one.rising else color, clip_on=False,
+    )  # fmt: skip
+    slow = np.array([not level.steady for level in one.levels], dtype=bool)
+    axes.plot(one.values[slow], values[slow], **_CROSS)
 
 
 def _label(axes: Axes, jump: Jump) -> None:
@@ -304,13 +317,9 @@ def _angle(result: Result, axes: Axes, letter: str) -> None:
     axes.set_ylabel(r"$\phi$ (°)")
     seen: list[float] = []
     for one in result.sweeps:
-        marker, color, _ = _LOOK[one.rising]
         low, high = np.degrees(one["min phi"]), np.degrees(one["max phi"])
         for side in (low, high):
-            axes.plot(
-                one.values, side, linestyle="", marker=marker, markersize=2.6, color=color, zorder=3,
-                markeredgewidth=0.5, markerfacecolor="white" if one.rising else color, clip_on=False,
-            )  # fmt: skip
+            _symbols(axes, one, side)
         seen += [float(low.min()), float(high.max())] if len(one.levels) else []
         for jump in one.jumps:
             if jump.after is not None:
@@ -344,6 +353,8 @@ def _legend(result: Result, figure: Figure) -> None:
         for rising in (True, False)
         if any(one.rising == rising for one in result.sweeps)
     ]  # fmt: skip
+    if any(not level.steady for one in result.sweeps for level in one.levels):
+        handles.append(Line2D([], [], **_CROSS, label=f"not settled after {_patience(result):.0f} min"))
     counts = [unstable for branch in result.cycles.branches for unstable, _ in branch.pieces(SPEED)]
     handles += legend_of(counts, (), jumps=bool(result.jumps))
     figure.legend(
@@ -414,12 +425,28 @@ def summary(result: Result) -> list[str]:
         said.append(f"{way} wind {words}: {course}; {where}.")
         if one.ended is not SweepEnded.AT_END:
             said.append(f"This sweep ended early: {one.note or one.ended.value}.")
-        slow = sum(not level.steady for level in one.levels)
+        slow = [level.value for level in one.levels if not level.steady]
         if slow:
             said.append(
-                f"At {slow} of its {len(one.levels)} wind speeds the vibration had not settled in time."
+                f"At {len(slow)} of its {len(one.levels)} wind speeds, {_between(slow)}, it had not settled after "
+                f"{_patience(result):.0f} min: it changes slowly there, and amplitudes are those of the last minute."
             )
     return said
+
+
+def _patience(result: Result) -> float:
+    """How long a level was held at most (min), but for those before a jump."""
+    return _LONGEST / result.cycles.equilibria.model.section.frequency_y / 60.0
+
+
+def _between(speeds: list[float]) -> str:
+    """Wind speeds in words, those less than 0.5 m/s apart together."""
+    speeds = sorted(speeds)
+    groups = np.split(np.array(speeds), np.flatnonzero(np.diff(speeds) > STEP) + 1)
+    return " and ".join(
+        f"{g[0]:.2f} m/s" if f"{g[0]:.2f}" == f"{g[-1]:.2f}" else f"{g[0]:.2f} to {g[-1]:.2f} m/s"
+        for g in groups
+    )
 
 
 def _said(jump: Jump) -> str:
