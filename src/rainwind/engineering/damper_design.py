@@ -123,10 +123,10 @@ def design_for(
         )
     options = {"sag": sag, "bending": bending, "ends": ends}
 
-    def scan(at: float) -> CubicSpline:
-        """log c -> least ratio over target as (m,) curves."""
+    def scan(at: float, *, widely: bool = True) -> CubicSpline:
+        """log c -> ratio over target (m,); widely: as far as the targets may reach, else about the best."""
         optima = [optimum_coefficient(cable, mode, at, support_stiffness) for mode in modes]
-        reach = 0.2 * min(1.0, min(wanted) * cable.length / at)
+        reach = 0.2 * min(1.0, min(wanted) * cable.length / at) if widely else 0.4
         ends_ = log(min(optima) * reach), log(max(optima) / reach)
         grid = np.linspace(*ends_, 2 + int(_POINTS * (ends_[1] - ends_[0])))
         curve = damper_curve(cable, modes, at, np.exp(grid), support_stiffness, **options)
@@ -139,7 +139,7 @@ def design_for(
     found = damped_modes(cable, max(modes), [Damper(position, coefficient, support_stiffness)], **options)
     ratios = tuple(found[mode - 1].damping_ratio for mode in modes)
     margin = min(ratio / target for ratio, target in zip(ratios, wanted, strict=True))
-    least = _least_position(lambda at: _best(scan(at))[1], cable.length, max(wanted))
+    least = _least_position(lambda at: _best(scan(at, widely=False))[1], cable.length, max(wanted))
     return DamperDesign(
         float(position), float(support_stiffness), modes, wanted, coefficient, ratios, margin, low, high, least
     )  # fmt: skip
