@@ -40,7 +40,10 @@ def test_basins(tmp_path: Path):
     assert "rivulet lost: " in out
     assert "at rest: " in out
     assert "Equilibria at 16.5 m/s: A at 192.3°, B at -7.2°, C at 80.7°, D at 30.9°." in out
+    assert "Every start ends the same way" not in out
     assert (tmp_path / "b.png").stat().st_size > 5000
+    out, _ = run("basins", "--speed", "6", "--cells", 2, 2, "--longest", "1800", "--out", tmp_path / "b.png")
+    assert "Every start ends the same way at this wind speed" in out  # no upper rivulet below 8 m/s
 
 
 def test_probability(tmp_path: Path):

@@ -217,6 +217,19 @@ def test_what_makes_no_sense_is_refused(arguments: list[str], words: str, tmp_pa
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_record_with_gaps_or_too_short_is_refused(tmp_path: Path):
+    record = tmp_path / "wind.csv"
+    record.write_text("time_s,speed_m_s\n0,9\n1,10\n2,9\n9,11\n", encoding="utf-8")
+    _, err = run("simulate", "--wind", record, "--out", tmp_path / "r.png", fine=2)
+    assert "line 5: a gap before it: 7 s since line 4" in err
+    assert "rainwind.read_wind(file, gaps='interpolate') in Python" in err  # there is no such option
+    record.write_text("time_s,speed_m_s\n0,9\n1,10\n2,9\n", encoding="utf-8")
+    _, err = run("simulate", "--wind", record, "--duration", "3 s", "--out", tmp_path / "r.png", fine=2)
+    assert "--duration 3 s: the record wind.csv ends after 2 s" in err
+    _, err = run("simulate", "--wind", record, "--duration", "1.5 s", "--out", tmp_path / "r.png")
+    assert (tmp_path / "r.png").exists()
+
+
 def test_the_case_file_is_spared(tmp_path: Path):
     case = tmp_path / "case.png"
     case.write_text("mine", encoding="utf-8")

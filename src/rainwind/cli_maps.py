@@ -104,10 +104,10 @@ def add_map_commands(
         slopes: Annotated[
             float | None, typer.Option(help="Scatter of the coefficients' slopes in %.")
         ] = None,
-        samples: Annotated[int, typer.Option(help="Samples at each wind speed.")] = 64,
+        samples: Annotated[int, typer.Option(help="Samples at each wind speed.")] = 256,
         sobol: Annotated[
             int, typer.Option(help="Base samples of the Sobol indices, a power of two; 0: none.")
-        ] = 128,
+        ] = 512,
         out: Out = Path("probability.png"),
         data: Data = False,
     ) -> None:

@@ -234,6 +234,10 @@ def summary(result: Result) -> list[str]:
     places = [
         f"{k} at {np.degrees(x[result.model.states.index('phi')]):.1f}°" for k, x in result.equilibria.items()
     ]
+    if len(result.shares) == 1 and not result.partial:
+        said.append(
+            "Every start ends the same way at this wind speed; another one may have more to choose from."
+        )
     return [
         *said,
         f"Equilibria at {result.model.wind.speed:g} m/s: {', '.join(places) or 'none with a letter'}.",

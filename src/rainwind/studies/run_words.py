@@ -19,6 +19,8 @@ from rainwind.studies.equilibrium_map import equilibria_by_letter
 PUSH = 1e-3  # m, of y, where a start is named by its letter alone
 DURATION = 300.0  # s
 _SPEED = "wind.speed"
+# a command has no options for it
+_BRIDGED, _BRIDGED_HERE = "gaps='interpolate'", "rainwind.read_wind(file, gaps='interpolate') in Python"
 _TIME = Kind("time", {"s": (1, 1), "min": (60, 1), "h": (3600, 1)}, ("s",), "s", "300 s")
 _TURNING = Kind("angular velocity", {"rad_s": (1, 1)}, ("rad/s",), "rad_s", "0.1 rad/s")
 _STATES = {
@@ -67,8 +69,17 @@ def wind_from_text(text: str | None, model: RivuletModel, duration: float | None
         return WindGiven({_SPEED: speed}, f"{speed:g} m/s")
     given = text.strip()
     if given.lower().endswith((".csv", ".txt", ".tsv")) or Path(given).is_file():
-        record = read_wind(given)
-        return WindGiven(record.parameters, f"record {Path(given).name}", record.speed.until)
+        try:
+            record = read_wind(given)
+        except InputError as error:
+            raise InputError(str(error).replace(_BRIDGED, _BRIDGED_HERE)) from error
+        until = record.speed.until
+        if duration is not None and duration > until:
+            raise InputError(
+                f"--duration {duration:g} s: the record {Path(given).name} ends after {until:g} s; give at most that, "
+                "or leave --duration out"
+            )
+        return WindGiven(record.parameters, f"record {Path(given).name}", until)
     if given.lower().startswith("turbulent"):
         return _turbulent(given, duration or DURATION)
     parts = re.split(r"\s+to\s+", given)
