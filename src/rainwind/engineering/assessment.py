@@ -19,7 +19,7 @@ from rainwind.engineering.bridge import Bridge
 from rainwind.engineering.cable import Cable
 from rainwind.engineering.climate import Climate
 from rainwind.engineering.criteria import code_checks
-from rainwind.engineering.dampers import damped_modes
+from rainwind.engineering.dampers import DampedMode, damped_modes
 from rainwind.engineering.mode_assessment import Setting
 from rainwind.engineering.modes import cable_modes
 from rainwind.engineering.rivulets import RIVULET_SCATTER, sample_factors, usual_rivulet
@@ -91,7 +91,7 @@ def _stay(setting: Setting, cable: Cable, tell: Callable[[int, str], None]) -> S
     assumptions = tuple(_assumptions(bridge, cable))
     try:
         modes = cable_modes(cable, count)
-        damped = damped_modes(cable, count)
+        damped = _least_damped(cable, count)
         answers = []
         for mode, own in zip(modes, damped, strict=True):
             tell(mode.number - 1, f"{cable.name}, mode {mode.number} of {count}")
@@ -109,6 +109,13 @@ def _stay(setting: Setting, cable: Cable, tell: Callable[[int, str], None]) -> S
     answer = StayAnswer(cable, tuple(answers), tuple(checks), "doubtful", (), assumptions)
     answer = replace(answer, verdict=verdict(answer))
     return replace(answer, sentences=stay_sentences(answer, bridge))
+
+
+def _least_damped(cable: Cable, count: int) -> list[DampedMode]:
+    """Of each mode what its dampers add, in the plane of the stay (with sag) or out of it, whichever is less."""
+    bending = cable.bending_stiffness > 0.0
+    planes = [damped_modes(cable, count, sag=sag, bending=bending) for sag in (False, True)]
+    return [min(pair, key=lambda mode: mode.damping_ratio) for pair in zip(*planes, strict=True)]
 
 
 def _amplitude_at(answers: list[ModeAnswer], speed: float) -> float:
