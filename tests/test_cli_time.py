@@ -208,12 +208,23 @@ def test_ctrl_c_keeps_what_is_done(tmp_path: Path, monkeypatch: pytest.MonkeyPat
         (["--animate", "a.avi"], ".mp4, .gif or .html"),
         (["--span", "1 s", "2 s"], "name its file with --animate"),
         (["--animate", "a.gif", "--span", "3 s", "2 s"], "the earlier one first"),
+        (
+            ["--duration", "20 s", "--animate", "a.gif", "--span", "3 s", "25 s"],
+            "not inside the run, 0 to 20 s",
+        ),
     ],
 )
 def test_what_makes_no_sense_is_refused(arguments: list[str], words: str, tmp_path: Path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     _, err = run("simulate", *arguments, fine=2)
     assert words in err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_mp4_without_its_program_is_refused_before_anything_is_computed(tmp_path: Path, monkeypatch):
+    monkeypatch.setattr(FFMpegWriter, "isAvailable", classmethod(lambda cls: False))
+    _, err = run("simulate", "--out", tmp_path / "s.png", "--animate", tmp_path / "s.mp4", fine=2)
+    assert "ffmpeg, which is not found; install it, or write a .gif or .html" in err
     assert list(tmp_path.iterdir()) == []
 
 

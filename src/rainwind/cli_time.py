@@ -65,6 +65,12 @@ def add_commands(
         words, study = (import_module(f"rainwind.studies.{name}") for name in ("run_words", "one_run"))
         seconds = words.seconds(duration) if duration is not None else None
         shown = words.span_from_text(span)
+        if film is not None:  # before anything is computed
+            import_module("rainwind.plotting.animation").checked_format(film)
+        if shown is not None and seconds is not None and shown[1] > seconds:
+            raise InputError(
+                f"--span {shown[0]:g} s to {shown[1]:g} s is not inside the run, 0 to {seconds:g} s"
+            )
         model = model_of(case)
         for file in files:
             make_folder(file.parent)

@@ -62,12 +62,8 @@ def frames(suffix: str, duration: float, pace: float = 1.0) -> int:
     return count
 
 
-def animate(scene: Scene, path: Path, *, progress: Callable[[int, int], None] | None = None) -> None:
-    """Write the animation; it repeats for ever where the format can (gif, HTML).
-
-    An mp4 needs ffmpeg. The HTML page holds its pictures and needs no network. progress(done, total): at each frame.
-    Raises InputError for another format or without ffmpeg, OSError where the file cannot be written.
-    """
+def checked_format(path: Path) -> str:
+    """The format by the file's name, if it can be written here. Raises InputError for another one or without ffmpeg."""
     suffix = path.suffix.lower()
     if suffix not in FORMATS:
         raise InputError(
@@ -77,6 +73,16 @@ def animate(scene: Scene, path: Path, *, progress: Callable[[int, int], None] | 
         raise InputError(
             "an mp4 needs the program ffmpeg, which is not found; install it, or write a .gif or .html"
         )
+    return suffix
+
+
+def animate(scene: Scene, path: Path, *, progress: Callable[[int, int], None] | None = None) -> None:
+    """Write the animation; it repeats for ever where the format can (gif, HTML).
+
+    An mp4 needs ffmpeg. The HTML page holds its pictures and needs no network. progress(done, total): at each frame.
+    Raises InputError for another format or without ffmpeg, OSError where the file cannot be written.
+    """
+    suffix = checked_format(path)
     figure = Figure()
     with style.journal(figure), mpl.rc_context({"animation.embed_limit": 200.0}):
         figure.set_layout_engine("none")
