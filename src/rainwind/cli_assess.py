@@ -59,7 +59,7 @@ def add_assess_command(app: typer.Typer) -> None:
             )
         if not answer.stays:
             raise KeyboardInterrupt("stopped before the first stay was finished: no report is written")
-        written = import_module("rainwind.reporting.report").write_report(answer, out)
+        written = import_module("rainwind.reporting.report").write_report(answer, out, climate=climate)
         _print(answer)
         names = ", ".join(path.name for path in written)
         if answer.interrupted:

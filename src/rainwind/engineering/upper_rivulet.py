@@ -65,8 +65,8 @@ def upper_rivulets(model: RivuletModel, factors: Mapping[str, np.ndarray], beta:
     factors: by the names of `physics.tilted.SLOPES`; other names are left alone. Source: Peil & Nahrath (2003), eq. (6).
     """
     many = len(next(iter(factors.values())))
-    columns = tuple(np.asarray(factors.get(name, np.ones(many)))[:, None, None] for name in SLOPES)
-    tilted = SteeperCoefficients(model.coefficients, columns)
+    lift, drag, moment = (np.asarray(factors.get(name, np.ones(many)))[:, None, None] for name in SLOPES)
+    tilted = SteeperCoefficients(model.coefficients, (lift, drag, moment))
     low, high = model.coefficients.valid
     first, last = max(-high, 0.0), min(-low, pi / 2)
     phi = np.linspace(first, last, _POINTS) if first < last else np.zeros(1)
