@@ -76,8 +76,9 @@ class ModeAnswer:
     damping_needed_observed: the same over the observed speeds only. rule_damping: ratio that the PTI rule asks for.
     lost: (k,) share of samples that lose their rivulet before a steady vibration; their amplitude is the largest
     until then. build_up: s from a tenth of a diameter to the amplitude. stroke, force: of the damper, m and N.
-    uplift: mean displacement of mid-span upwards by the wind's lift, m. hours: a year, in the range with rain; None
-    without climate. cycles: a year, in `cycle_edges` of amplitude (m).
+    uplift: mean displacement of mid-span upwards by the wind's lift, m. hours: a year, in the range with rain, None
+    without climate; hours_observed: those of them at observed speeds; hours_dry: in the range without rain. cycles: a
+    year, in `cycle_edges` of amplitude (m).
     """
 
     number: int
@@ -109,6 +110,7 @@ class ModeAnswer:
     force: Band | None = None
     hours: Band | None = None
     hours_dry: Band | None = None
+    hours_observed: Band | None = None
     cycle_edges: np.ndarray | None = None
     cycles: np.ndarray | None = None
     galloping_speed: float = np.nan

@@ -22,6 +22,7 @@ from rainwind.engineering.criteria import code_checks
 from rainwind.engineering.dampers import DampedMode, damped_modes
 from rainwind.engineering.mode_assessment import Setting
 from rainwind.engineering.modes import cable_modes
+from rainwind.engineering.remedies import remedy_sentences
 from rainwind.engineering.rivulets import RIVULET_SCATTER, sample_factors, usual_rivulet
 from rainwind.engineering.stay_sentences import stay_sentences, verdict
 from rainwind.errors import RainwindError
@@ -108,7 +109,7 @@ def _stay(setting: Setting, cable: Cable, tell: Callable[[int, str], None]) -> S
     tell(count, f"{cable.name}: done")
     answer = StayAnswer(cable, tuple(answers), tuple(checks), "doubtful", (), assumptions)
     answer = replace(answer, verdict=verdict(answer))
-    return replace(answer, sentences=stay_sentences(answer, bridge))
+    return replace(answer, sentences=(*stay_sentences(answer, bridge), *remedy_sentences(answer)))
 
 
 def _least_damped(cable: Cable, count: int) -> list[DampedMode]:

@@ -95,7 +95,7 @@ class Question:
     directions: int = 36
     speeds: tuple[float, float] = (3.0, 40.0)
     sets: tuple[str, ...] = ("reconstructed", "reconstructed-cubic", "reconstructed-linear")
-    samples: int = 8
+    samples: int = 16
     seed: int = 1
 
     def __post_init__(self) -> None:

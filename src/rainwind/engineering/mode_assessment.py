@@ -70,7 +70,8 @@ class Setting:
         own = cable.damping_ratio(mode.number)
         ratio = own + damped.damping_ratio
         directions = 2 * pi * np.arange(question.directions) / question.directions
-        gamma = np.asarray(yaw(directions, cable.heading))
+        # winds from both sides of the stay's plane are mirror images: each yaw once
+        gamma, side = np.unique(np.round(yaw(directions, cable.heading), 12), return_inverse=True)
         weight = mode_factor(cable, mode, site)  # wind at the cable over that at the reference height
         speed = np.geomspace(*question.speeds, _SPEEDS)
         observed = (speed >= limits.observed_speeds[0]) & (speed <= limits.observed_speeds[1])
@@ -79,10 +80,10 @@ class Setting:
             self.pool.map(lambda one: self._set(cable, mode, one, ratio, gamma, weight * speed), self.sets)
         )
         ranges = [unstable_ranges(f.growth.rate, speed, f.onset / weight) for f in fields]
-        low, high, opened = (np.concatenate(parts) for parts in zip(*ranges, strict=True))
+        low, high, opened = (np.concatenate(parts)[:, side] for parts in zip(*ranges, strict=True))
         needed = np.concatenate([damping_needed(f.growth, _everywhere(f))[0] for f in fields])
         seen = np.concatenate([damping_needed(f.growth, _everywhere(f) & observed)[0] for f in fields])
-        worst = _worst_direction(fields, observed)
+        worst = _worst_yaw(fields, observed)
 
         steps = np.linspace(*limits.observed_speeds, _STEPS)
         at_worst = lambda one, xi: self._set(cable, mode, one, xi, gamma[[worst]], weight * steps)  # noqa: E731
@@ -92,6 +93,7 @@ class Setting:
         if cable.dampers:
             undamped = self._amplitudes([at_worst(one, own) for one in self.sets])[0]
         wet, dry = self._hours(directions, low, high)
+        within, _ = self._hours(directions, *_clipped(low, high, limits.observed_speeds))
         edges = np.linspace(0.0, max(1.0, np.nan_to_num(largest).max() / cable.diameter), 11) * cable.diameter
         return ModeAnswer(
             number=mode.number,
@@ -104,7 +106,7 @@ class Setting:
             speed_low=_bands(low),
             speed_high=_bands(high),
             share=np.isfinite(low).mean(axis=0),
-            worst_direction=float(directions[worst]),
+            worst_direction=float(directions[np.flatnonzero(side == worst)[0]]),
             range_low=Band.of(_over_directions(low, np.fmin)),
             range_high=Band.of(_over_directions(high, np.fmax)),
             unlimited=float(opened.any(axis=1).mean()),
@@ -123,6 +125,7 @@ class Setting:
             force=_damper_band(cable, damped, largest, force),
             hours=wet,
             hours_dry=dry,
+            hours_observed=within,
             cycle_edges=edges if self.climate is not None else None,
             cycles=self._cycles(directions, low, high, steps, amplitude, mode.frequency_out, edges),
             galloping_speed=galloping_speed(cable, mode.frequency_out, ratio, site.density),
@@ -196,12 +199,18 @@ class Setting:
         return 1.0 / speed_factor(self.bridge.site, self.climate.height)
 
 
+def _clipped(low: np.ndarray, high: np.ndarray, bounds: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+    """The part of each range within the bounds; nan where nothing is left."""
+    a, b = np.maximum(low, bounds[0]), np.minimum(high, bounds[1])
+    return np.where(a < b, a, np.nan), np.where(a < b, b, np.nan)
+
+
 def _everywhere(one: _Set) -> np.ndarray:
     return np.isfinite(one.growth.rate)
 
 
-def _worst_direction(fields: list[_Set], observed: np.ndarray) -> int:
-    """The direction in which the middle sample needs the most damping at an observed speed, to first order."""
+def _worst_yaw(fields: list[_Set], observed: np.ndarray) -> int:
+    """The number of the yaw in which the middle sample needs the most damping at an observed speed, to first order."""
     rates = np.concatenate([f.growth.rate / f.growth.omega for f in fields])[..., observed]
     per_sample = np.where(np.isfinite(rates), rates, -np.inf).max(axis=-1)
     return int(np.nan_to_num(np.median(per_sample, axis=0), neginf=-1e9).argmax())

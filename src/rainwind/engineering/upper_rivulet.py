@@ -62,7 +62,8 @@ class UpperRivulet:
 def upper_rivulets(model: RivuletModel, factors: Mapping[str, np.ndarray], beta: np.ndarray) -> UpperRivulet:
     """The branches D of a model with its slopes of lift, drag and moment times factors (s,), at angles beta (g,).
 
-    factors: by the names of `physics.tilted.SLOPES`; other names are left alone. Source: Peil & Nahrath (2003), eq. (6).
+    factors: by the names of `physics.tilted.SLOPES`; other names are left alone. Source: Peil & Nahrath (2003), eq.
+    (6).
     """
     many = len(next(iter(factors.values())))
     lift, drag, moment = (np.asarray(factors.get(name, np.ones(many)))[:, None, None] for name in SLOPES)

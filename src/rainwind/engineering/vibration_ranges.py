@@ -31,7 +31,7 @@ def unstable_ranges(
 
 
 def _edge(rate: np.ndarray, speed: np.ndarray, inside: np.ndarray, outside: np.ndarray) -> np.ndarray:
-    """The speed at which the rate passes zero between two neighbours; the inner one's at the grid's end or beside nan."""
+    """The speed at which the rate passes zero between two neighbours; the inner one at the grid's end or beside nan."""
     there = (outside >= 0) & (outside < speed.size)
     beyond = np.clip(outside, 0, speed.size - 1)
     a = np.take_along_axis(rate, inside[..., None], -1)[..., 0]
