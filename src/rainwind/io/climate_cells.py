@@ -26,7 +26,7 @@ class Cells:
     header: tuple[str, ...]
     header_line: int
     lines: tuple[int, ...]
-    rows: list[list[str]]
+    rows: list[tuple[str, ...]]
     found: list[tuple[int, str]] = field(default_factory=list)
 
     def texts(self, key: str) -> list[str]:
@@ -91,13 +91,16 @@ def read_cells(path: Path, example: str) -> Cells:
     header = tuple(key_of_header(cell).lower() for cell in _split(line, parts))
     while header and not header[-1]:
         header = header[:-1]
-    cells = Cells(str(path), header, first, tuple(i for i, _ in rest), [])
-    for i, one in rest:
-        row = _split(one, parts)
+    # tuples: the garbage collector looks at lists again and again, which doubles the time of a long file
+    cells = Cells(
+        str(path), header, first, tuple(i for i, _ in rest), [tuple(_split(o, parts)) for _, o in rest]
+    )
+    for i, row in zip(cells.lines, cells.rows, strict=True):
+        if len(row) == len(header):
+            continue
         if len(row) < len(header) or any(cell.strip() for cell in row[len(header) :]):
             advice = "; write decimals with a point" if len(row) > len(header) and parts == "," else ""
             cells.fault(i, f"has {len(row)} cells where the header names {len(header)}{advice}")
-        cells.rows.append(row)
     cells.raise_any()
     return cells
 

@@ -23,6 +23,8 @@ _SPEEDS = {"speed_m_s": (1.0, 1.0), "speed_km_h": (1.0, 3.6)}  # factor and divi
 _RAINS = ("rain_mm_h", "rain_mm")
 _TIMES = ("time", "time_utc")
 _RECORDS = "time,speed_m_s,direction_deg,rain_mm_h"
+_START = datetime(1970, 1, 1)
+_START_UTC = datetime(1970, 1, 1, tzinfo=UTC)
 _RAINIEST = 1000.0  # mm/h
 
 
@@ -59,7 +61,7 @@ def _records(cells: Cells, source: ClimateSource) -> Climate:
     late = int(np.sum(time < np.maximum.accumulate(time)))
     time, speed, direction, rain = time[kept], speed[kept], direction[kept], rain[kept]
     steps = np.diff(time)
-    step = float(np.median(steps)) if steps.size else 3600.0
+    step = float(np.quantile(steps, 0.5, method="lower")) if steps.size else 3600.0
     if fall == "rain_mm":
         rain = rain * 3600.0 / step
     there = np.isfinite(speed) & (np.isfinite(direction) | (speed == 0))
@@ -104,7 +106,7 @@ def _times(cells: Cells, stamp: str) -> np.ndarray:
         try:
             moment = datetime.fromisoformat(text.strip())
             zoned[i] = moment.tzinfo is not None
-            found[i] = (moment if zoned[i] else moment.replace(tzinfo=UTC)).timestamp()
+            found[i] = (moment - (_START_UTC if zoned[i] else _START)).total_seconds()
         except (ValueError, OverflowError):
             cells.fault(
                 cells.lines[i], f"time = {text.strip()!r} is no time; write it as in 2026-01-31T14:00"
