@@ -1,0 +1,208 @@
+"""The first page: what was asked, one row a stay, what it means and what to do, for a reader with ten minutes."""
+
+from collections.abc import Iterator
+from math import isfinite
+
+from rainwind.engineering.answers import BridgeAnswer, ModeAnswer, StayAnswer
+from rainwind.reporting import words
+from rainwind.reporting.content import Block, Cell, Points, Section, Table, Words
+
+__all__ = ["first_page", "key_sentences", "next_steps"]
+
+RECONSTRUCTED = (
+    "The coefficient sets of this model are reconstructed from one paper, not measured on these stays, and the rivulet "
+    "of a real stay is known to nobody. The bands scatter both by judgement; no band covers a curve of another shape."
+)
+
+
+def first_page(answer: BridgeAnswer) -> Section:
+    """The section without a heading of its own: the title stands above it."""
+    return Section("", tuple(_blocks(answer)))
+
+
+def _blocks(answer: BridgeAnswer) -> Iterator[Block]:
+    yield Words(_asked(answer))
+    if answer.interrupted:
+        yield Words(
+            f"The computation was interrupted: {len(answer.stays)} of {words.stays(len(answer.bridge.stays))} were "
+            "reached, the others are missing here.",
+            "warning",
+        )
+    yield Words(_counts(answer), "strong")
+    yield _table(answer)
+    yield Words(_legend(answer), "small")
+    yield Words("What it means", "strong")
+    yield Points(key_sentences(answer))
+    yield Words("What to do next", "strong")
+    yield Points(next_steps(answer), numbered=True)
+    yield Words(RECONSTRUCTED, "warning")
+
+
+def _asked(answer: BridgeAnswer) -> str:
+    asked, limits = answer.bridge.question, answer.bridge.limits
+    low, high = asked.speeds
+    return (
+        f"Asked: whether rain and wind make {words.stays(len(answer.bridge.stays))} vibrate, in "
+        f"{asked.modes} mode{'' if asked.modes == 1 else 's'} each, with wind of {low:g} to {high:g} m/s from "
+        f"{asked.directions} directions; how much damping stops it. {_samples(answer)} Rivulets have been observed at "
+        f"{limits.observed_speeds[0]:g} to {limits.observed_speeds[1]:g} m/s: margins belong to these speeds. Wind "
+        f"speeds are those at {answer.bridge.site.reference_height:g} m."
+    )
+
+
+def _samples(answer: BridgeAnswer) -> str:
+    asked = answer.bridge.question
+    total = asked.samples * len(asked.sets)
+    sets = len(asked.sets)
+    return (
+        f"Bands are 5, 50 (middle) and 95 % of {total} samples ({asked.samples} of rivulet and slopes with "
+        f"{sets} coefficient set{'' if sets == 1 else 's'})."
+    )
+
+
+def _counts(answer: BridgeAnswer) -> str:
+    found = [stay.verdict for stay in answer.stays]
+    said = [
+        f"{found.count(verdict)} {one.word} {one.symbol}"
+        for verdict, one in words.VERDICTS.items()
+        if found.count(verdict)
+    ]
+    return f"{words.stays(len(found))}: " + ", ".join(said)
+
+
+HEADER = (
+    "Stay",
+    "Verdict",
+    "Margin",
+    "Mode",
+    "Damping there (%)",
+    "Damping needed (%)",
+    "Range of wind speed (m/s)",
+    "Amplitude (m)",
+)
+_WIDTHS = (0.1, 0.145, 0.085, 0.06, 0.09, 0.15, 0.18, 0.19)
+
+
+def _table(answer: BridgeAnswer) -> Table:
+    return Table(HEADER, tuple(_row(stay) for stay in answer.stays), widths=_WIDTHS, left=(0, 1))
+
+
+def _row(stay: StayAnswer) -> tuple[Cell, ...]:
+    texts = words.summary_row(stay)
+    return tuple(Cell(text, stay.verdict if i == 1 else "") for i, text in enumerate(texts))
+
+
+def _legend(answer: BridgeAnswer) -> str:
+    meanings = "; ".join(f"{one.symbol} {one.word}: {one.meaning}" for one in words.VERDICTS.values())
+    return (
+        f"{meanings}. Margin: damping there over damping needed at the high end of its band, at observed speeds, in the "
+        "mode that decides; below 1 there is too little. Amplitude: half peak to peak, of the largest mode. Open: the "
+        "range reaches the highest speed looked at."
+    )
+
+
+def key_sentences(answer: BridgeAnswer) -> tuple[str, ...]:
+    """Three to five sentences on the bridge as a whole."""
+    return tuple(_sentences(answer))
+
+
+def _sentences(answer: BridgeAnswer) -> Iterator[str]:
+    done = [stay for stay in answer.stays if stay.modes]
+    if not done:
+        yield "No stay could be computed; the reasons stand in the table."
+        return
+    worst = min(done, key=lambda stay: stay.margin)
+    mode = worst.worst
+    if mode is not None and isfinite(worst.margin):
+        yield (
+            f"The least margin is {words.margin(worst.margin)}, stay {words.named(worst)}, mode {mode.number}: it has "
+            f"{words.number(100 * mode.damping_total)} % of critical damping and needs "
+            f"{words.band(words.in_percent(mode.damping_needed_observed), unit='%')}."
+        )
+    else:
+        yield "At the observed wind speeds no stay needs damping."
+    ranged = [(stay, words.range_mode(stay)) for stay in done]
+    hit = [(stay, one) for stay, one in ranged if one is not None]
+    if hit:
+        stay, one = min(hit, key=lambda pair: pair[1].range_low.middle)
+        yield (
+            f"Rain-wind vibration is possible in {len(hit)} of {words.stays(len(answer.stays))}; it begins first on "
+            f"stay {words.named(stay)}, mode {one.number}, at {words.band(one.range_low, unit='m/s')}."
+        )
+        yield _largest(answer, done)
+    else:
+        yield "The model finds no rain-wind vibration at any wind speed looked at."
+    unlimited = [mode.unlimited for _, mode in hit]
+    if unlimited and max(unlimited) > 0:
+        yield (
+            f"Where a range is open, the model has no upper limit at {answer.bridge.question.speeds[1]:g} m/s; rivulets "
+            "have not been observed above "
+            f"{answer.bridge.limits.observed_speeds[1]:g} m/s."
+        )
+    against = [stay for stay in done if stay.verdict == "doubtful"]
+    if against:
+        yield f"Doubtful, because model and code rule disagree or the band decides: {_names(against)}."
+
+
+def _largest(answer: BridgeAnswer, done: list[StayAnswer]) -> str:
+    pairs = [(stay, mode) for stay in done if (mode := words.amplitude_mode(stay)) is not None]
+    stay, mode = max(pairs, key=lambda pair: pair[1].amplitude.high)
+    limit = answer.bridge.limits.amplitude_diameters
+    in_diameters = mode.amplitude.high / stay.cable.diameter
+    return (
+        f"The largest amplitude is {words.band(mode.amplitude, unit='m')}, half peak to peak, stay {words.named(stay)}, "
+        f"mode {mode.number}: {words.number(in_diameters, 2)} diameters at the high end, "
+        f"{'above' if in_diameters > limit else 'within'} the accepted {limit:g}."
+    )
+
+
+def next_steps(answer: BridgeAnswer) -> tuple[str, ...]:
+    """What to do, the stays with the least margin first."""
+    return tuple(_steps(answer))
+
+
+def _steps(answer: BridgeAnswer) -> Iterator[str]:
+    short = _by_margin(answer, "insufficient")
+    if short:
+        yield (
+            f"Add damping to {_names(short)}. At the high end of the band {_needs(short[0])}. A damper near an anchorage "
+            "adds at most about half its distance over the length: x_d/L must be at least twice the ratio it adds. "
+            "Each stay's page says where it must stand."
+        )
+    doubtful = _by_margin(answer, "doubtful")
+    if doubtful:
+        yield (
+            f"Decide about {_names(doubtful)}: measure the damping of the worst modes first, since every margin is "
+            f"proportional to it. To be safe at the high end of the band {_needs(doubtful[0])}."
+        )
+    if any(stay.cable.assumed for stay in answer.stays) or answer.bridge.assumptions:
+        yield "Replace what was assumed by what is measured or drawn; the assumptions stand at the end of this report."
+    failed = [stay for stay in answer.stays if stay.failure]
+    if failed:
+        yield f"Mend the input of what could not be computed: {_names(failed)}."
+    if answer.interrupted:
+        yield "Run the same command again; it goes on from the stays that are done."
+    if not short and not doubtful and not failed:
+        yield "No more damping is needed; watch the stays in rain and wind, as for every bridge."
+
+
+def _by_margin(answer: BridgeAnswer, verdict: str) -> list[StayAnswer]:
+    return sorted((stay for stay in answer.stays if stay.verdict == verdict), key=lambda stay: stay.margin)
+
+
+def _needs(stay: StayAnswer) -> str:
+    """ "stay S1 needs 0.59 % in mode 1, 0.11 % more than there is"."""
+    mode = stay.worst
+    assert mode is not None
+    target = _target(mode)
+    more = target - mode.damping_total
+    rest = f", {words.number(100 * more, 2)} % more than there is" if more > 0 else ", which is there"
+    return f"stay {words.named(stay)} needs {words.number(100 * target, 2)} % of critical in mode {mode.number}{rest}"
+
+
+def _target(mode: ModeAnswer) -> float:
+    return mode.damping_needed_observed.high
+
+
+def _names(stays: list[StayAnswer]) -> str:
+    return ("stay " if len(stays) == 1 else "stays ") + words.joined([stay.cable.name for stay in stays])

@@ -1,0 +1,109 @@
+"""The pages of each stay: its sentences, the numbers of every mode side by side, the code checks."""
+
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+from math import degrees, isinf
+
+from rainwind.engineering.answers import BridgeAnswer, CodeCheck, ModeAnswer, StayAnswer
+from rainwind.engineering.cable import Cable, Damper
+from rainwind.reporting import words
+from rainwind.reporting.content import Block, Cell, Points, Section, Table, Words
+from rainwind.reporting.quantities import QUANTITIES
+
+__all__ = ["stay_pages"]
+
+_BESIDE = 5  # modes in one table
+
+
+def stay_pages(answer: BridgeAnswer) -> Iterator[Section]:
+    """A chapter with a part for each stay."""
+    yield Section("Stay by stay", (Words(_BANDS, "small"),), new_page=True)
+    for number, stay in enumerate(answer.stays):
+        yield Section(
+            f"Stay {words.shortened(stay.cable.name)}", tuple(_stay(stay)), level=2, new_page=number > 0
+        )
+
+
+_BANDS = (
+    "A band stands as its 5 and 95 % ends, its middle, and, where the thing does not exist in all samples, the share of "
+    "those in which it does. Amplitudes are those of the antinode."
+)
+
+
+def _stay(stay: StayAnswer) -> Iterator[Block]:
+    verdict = words.VERDICTS[stay.verdict]
+    yield Words(_cable(stay.cable), "small")
+    if stay.failure:
+        yield Words(f"Not computed: {stay.failure}", "warning")
+        return
+    yield Words(f"{verdict.symbol} {verdict.word}; margin: {words.margin(stay.margin)}", "strong")
+    yield Points(stay.sentences)
+    for begin in range(0, len(stay.modes), _BESIDE):
+        yield _modes(stay, stay.modes[begin : begin + _BESIDE])
+    for mode in stay.modes:
+        if mode.cycles is not None and mode.cycle_edges is not None and mode.cycles.sum() > 0:
+            yield _cycles(mode)
+    if stay.checks:
+        yield _checks(stay.checks)
+
+
+def _cable(cable: Cable) -> str:
+    said = (
+        f"Length {cable.length:.4g} m, diameter {1e3 * cable.diameter:.4g} mm, {cable.mass:.4g} kg/m, tension "
+        f"{cable.tension / 1e3:.4g} kN, inclination {degrees(cable.inclination):.3g}°, rising towards "
+        f"{words.compass(cable.heading)}, surface {cable.surface}."
+    )
+    return " ".join([said, *map(_damper, cable.dampers)]) if cable.dampers else f"{said} No damper."
+
+
+def _damper(damper: Damper) -> str:
+    support = (
+        "" if isinf(damper.support_stiffness) else f" on a support of {damper.support_stiffness / 1e6:.3g} MN/m"
+    )
+    return (
+        f"Damper of {damper.coefficient / 1e3:.3g} kNs/m, {damper.position:.3g} m from the {damper.end} anchorage"
+        f"{support}."
+    )
+
+
+def _modes(stay: StayAnswer, modes: Sequence[ModeAnswer]) -> Table:
+    rows: list[tuple[Cell, ...]] = []
+    for group, quantities in groupby(QUANTITIES, key=lambda one: one.group):
+        told = [one for one in quantities if any(one.value(stay, mode) is not None for mode in modes)]
+        if told:
+            rows.append((Cell(group),))
+        for one in told:
+            label = one.label + (f" ({one.unit})" if one.unit and one.unit != "°" else "")
+            rows.append((Cell(label), *(Cell(one.text(stay, mode)) for mode in modes)))
+    header = ("", *(f"Mode {mode.number}" for mode in modes))
+    wide = 0.37
+    widths = (wide, *[(1 - wide) / max(len(modes), 3)] * len(modes))
+    return Table(header, tuple(rows), widths=widths)
+
+
+def _cycles(mode: ModeAnswer) -> Table:
+    assert mode.cycles is not None and mode.cycle_edges is not None
+    edges = mode.cycle_edges
+    header = ("Amplitude (m)", *(f"{a:.3g} to {b:.3g}" for a, b in zip(edges[:-1], edges[1:], strict=True)))
+    row = ("Cycles a year", *(words.number(float(count), 2) for count in mode.cycles))
+    return Table(
+        header,
+        (tuple(Cell(text) for text in row),),
+        f"Mode {mode.number}: cycles a year by amplitude; full vibration from the first minute of rain is more than "
+        "there will be.",
+    )
+
+
+def _checks(checks: Sequence[CodeCheck]) -> Table:
+    rows = tuple(
+        (
+            Cell(one.rule),
+            Cell(one.what),
+            Cell(f"{words.number(one.value)} {one.unit}".strip()),
+            Cell(f"{one.sense} {words.number(one.limit)} {one.unit}".strip()),
+            Cell("✓ met" if one.passes else "✗ not met", "pass" if one.passes else "fail"),
+        )
+        for one in checks
+    )
+    header = ("Rule", "What", "Value", "Asked", "")
+    return Table(header, rows, "Codes and guidelines.", (0.14, 0.42, 0.14, 0.17, 0.13), (0, 1, 4))

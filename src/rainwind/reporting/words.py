@@ -1,0 +1,206 @@
+"""How a report says things: numbers, bands, directions, verdicts; a value that does not exist is "none"."""
+
+from dataclasses import dataclass, replace
+from math import floor, isinf, isnan, log10, pi
+
+from rainwind.engineering.answers import Band, BridgeAnswer, ModeAnswer, StayAnswer, Verdict
+
+__all__ = [
+    "VERDICTS", "VerdictWords", "amplitude_mode", "band", "band_lines", "band_parts", "compass", "in_percent", "joined",
+    "margin", "named", "number", "range_mode", "share", "shortened", "speed_range", "stays", "summary_row",
+    "summary_rows",
+]  # fmt: skip
+
+NONE = "none"
+NOT_NEEDED = "no damping needed"
+_POINTS = ("N", "NNE", "NE", "ENE", "E", "ESE", "SE", "SSE", "S", "SSW", "SW", "WSW", "W", "WNW", "NW", "NNW")
+
+
+@dataclass(frozen=True)
+class VerdictWords:
+    """A verdict for the eye: its word, a symbol, the ink and paper of its mark; told apart in grey print too."""
+
+    word: str
+    symbol: str
+    ink: str
+    paper: str
+    meaning: str
+
+
+VERDICTS: dict[Verdict, VerdictWords] = {
+    "sufficient": VerdictWords(
+        "sufficient", "✓", "#0B4F3A", "#E3F3EC", "model and code rule both find enough damping"
+    ),
+    "doubtful": VerdictWords(
+        "doubtful", "?", "#4A3200", "#F7D58A", "model and code rule disagree, or the band decides"
+    ),
+    "insufficient": VerdictWords(
+        "insufficient", "✗", "#FFFFFF", "#A63A00", "model and code rule both find too little damping"
+    ),
+    "failed": VerdictWords("not computed", "–", "#333333", "#FFFFFF", "could not be computed"),
+}
+
+
+def number(value: float | None, digits: int = 3) -> str:
+    """A number with so many significant digits, no exponent above 0.0001; nan and None are "none"."""
+    if value is None or isnan(value):
+        return NONE
+    if isinf(value):
+        return "no limit" if value > 0 else "minus no limit"
+    if value == 0:
+        return "0"
+    if abs(value) < 1e-4:
+        return f"{value:.{digits - 1}e}"
+    return _minus(f"{value:.{_decimals(value, digits)}f}")
+
+
+def band(values: Band | None, digits: int = 2, unit: str = "") -> str:
+    """A band as "0.25 to 0.61, middle 0.40 %", with the share of samples where that is not all of them."""
+    if values is None or not values.exists:
+        return NONE
+    range_, middle, share_ = band_parts(values, digits)
+    text = ", ".join(part for part in (range_, middle) if part) + (f" {unit}" if unit else "")
+    return f"{text} ({share_})" if share_ else text
+
+
+def band_parts(values: Band, digits: int = 2) -> tuple[str, str, str]:
+    """The range, the middle, and in how many samples (empty if in all): three texts of one band that exists."""
+    there = "" if values.share >= 1.0 else f"in {share(values.share)} of samples"
+    if values.low == values.high == 0:
+        return "0", "", there
+    decimals = _decimals(max(abs(values.high), abs(values.low)), digits)
+    low, middle, high = (_minus(f"{v:.{decimals}f}") for v in (values.low, values.middle, values.high))
+    return f"{low} to {high}", f"middle {middle}", there
+
+
+def margin(value: float) -> str:
+    """The damping there over the damping needed: "0.62"; infinite where none is needed."""
+    if isinf(value):
+        return NOT_NEEDED
+    return number(value, 2)
+
+
+def share(value: float) -> str:
+    """A share 0 to 1 as per cent; what is neither none nor all is never rounded to either."""
+    percent = round(100 * value)
+    if percent == 0 and value > 0:
+        return "less than 1 %"
+    if percent == 100 and value < 1:
+        return "more than 99 %"
+    return f"{percent} %"
+
+
+def compass(direction: float) -> str:
+    """A direction in rad clockwise from north as "135° (SE)"; nan is "none"."""
+    if isnan(direction):
+        return NONE
+    degrees = round(direction * 180 / pi) % 360
+    return f"{degrees}° ({_POINTS[round(degrees / 22.5) % 16]})"
+
+
+def joined(names: list[str], most: int = 12) -> str:
+    """Names as "a, b and c"; of many the first ones and how many more."""
+    names = [shortened(name, 30) for name in names]
+    if len(names) > most:
+        return f"{', '.join(names[:most])} and {len(names) - most} more"
+    if len(names) < 2:
+        return "".join(names)
+    return f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def shortened(text: str, letters: int = 60) -> str:
+    """The text in one line, cut with "…" where it is longer than so many letters."""
+    text = " ".join(text.split())
+    return text if len(text) <= letters else text[: letters - 1].rstrip() + "…"
+
+
+def stays(count: int) -> str:
+    """ "1 stay", "2 stays"."""
+    return f"{count} stay" if count == 1 else f"{count} stays"
+
+
+def named(stay: StayAnswer, letters: int = 30) -> str:
+    """The stay's name, short enough for a sentence or a figure."""
+    return shortened(stay.cable.name, letters)
+
+
+def _decimals(value: float, digits: int) -> int:
+    if value == 0 or isnan(value) or isinf(value):
+        return 1
+    return min(max(digits - 1 - floor(log10(abs(value))), 0), 8)
+
+
+def _minus(text: str) -> str:
+    return text.replace("-", "−")
+
+
+def band_lines(values: Band | None, digits: int = 2) -> str:
+    """A band for a cell of a table: the range, the middle and the share of samples, a line each."""
+    if values is None or not values.exists:
+        return NONE
+    return "\n".join(part for part in band_parts(values, digits) if part)
+
+
+def range_mode(stay: StayAnswer) -> ModeAnswer | None:
+    """The mode whose range of wind speed stands for the stay: found in most samples, then of least margin."""
+    there = [mode for mode in stay.modes if mode.range_low.exists]
+    return max(there, key=lambda mode: (mode.range_low.share, -mode.margin), default=None)
+
+
+def amplitude_mode(stay: StayAnswer) -> ModeAnswer | None:
+    """The mode whose amplitude is the largest at the band's high end."""
+    there = [mode for mode in stay.modes if mode.amplitude.exists]
+    return max(there, key=lambda mode: mode.amplitude.high, default=None)
+
+
+def speed_range(stay: StayAnswer) -> str:
+    """Where the range of the stay begins and ends, each a band, and whether it is open; in lines."""
+    mode = range_mode(stay)
+    if mode is None:
+        return NONE
+    low, high = (band_parts(one) for one in (mode.range_low, mode.range_high))
+    lines = [f"from {low[0]}", f"up to {high[0]}" if mode.range_high.exists else "no end found"]
+    if mode.unlimited > 0:
+        lines.append(f"open in {share(mode.unlimited)}")
+    return "\n".join(lines)
+
+
+def summary_rows(answer: BridgeAnswer) -> tuple[list[str], list[list[str]]]:
+    """Header and rows of the table that a terminal shows: one row a stay, texts only."""
+    header = [
+        "stay",
+        "verdict",
+        "margin",
+        "mode",
+        "damping there (%)",
+        "needed (%)",
+        "wind speed (m/s)",
+        "amplitude (m)",
+    ]
+    return header, [summary_row(stay) for stay in answer.stays]
+
+
+def summary_row(stay: StayAnswer) -> list[str]:
+    """One stay: name, verdict, margin, the mode that decides, damping there and needed, speeds, amplitude."""
+    verdict = VERDICTS[stay.verdict]
+    said = f"{verdict.symbol} {verdict.word}"
+    name, mode = shortened(stay.cable.name, 40), stay.worst
+    if stay.failure or mode is None:
+        return [name, said, NONE, "", shortened(stay.failure, 60), "", "", ""]
+    largest = amplitude_mode(stay)
+    needed = mode.damping_needed_observed
+    return [
+        name,
+        said,
+        margin(stay.margin),
+        str(mode.number),
+        number(100 * mode.damping_total),
+        band_lines(in_percent(needed)),
+        speed_range(stay),
+        band_lines(largest.amplitude) if largest else NONE,
+    ]
+
+
+def in_percent(values: Band) -> Band:
+    """A band of ratios in per cent."""
+    return replace(values, low=100 * values.low, middle=100 * values.middle, high=100 * values.high)
