@@ -68,10 +68,11 @@ def test_edges_of_sectors(degrees: float, sector: int):
     assert found == sector
 
 
-def test_half_way_is_clockwise_all_round_in_spite_of_rounding():
-    half = np.arange(36) * 10 + 5
-    one = Climate(np.full(36, 5.0), np.radians(half), np.ones(36), np.ones(36), 10.0)
-    assert np.all(wind_rose(one, compass(36), np.array([0, 10])).hours == 1)
+@pytest.mark.parametrize("count", [36, 90])  # 90: two of them lie below half way in floating point
+def test_half_way_is_clockwise_all_round_in_spite_of_rounding(count: int):
+    half = (np.arange(count) + 0.5) * 360 / count
+    one = Climate(np.full(count, 5.0), np.radians(half), np.ones(count), np.ones(count), 10.0)
+    assert np.all(wind_rose(one, compass(count), np.array([0, 10])).hours == 1)
 
 
 def test_rose_by_hand_with_calms_apart():
