@@ -54,8 +54,31 @@ def test_check_tells_unusual_numbers_of_a_bridge(tmp_path: Path):
 
 
 def test_check_of_a_shipped_example():
-    path = ROOT / "examples/fred_hartman/case.toml"
+    path = ROOT / "examples/stavanger_c1e/case.toml"
     assert run("check", path).output == f"{path}: fine\n"
+
+
+def test_check_reads_the_climate_and_tells_its_notes():
+    path = ROOT / "examples/fred_hartman/case.toml"
+    *notes, last = run("check", path).output.splitlines()
+    assert last == f"{path}: fine"
+    climate = path.with_name("climate.csv")
+    assert (
+        notes[0] == f"{climate}: 8760 records, one every 1 h, over 365 days; 100.0 % of that time has wind."
+    )
+    assert len(notes) == 2
+    assert f"{climate}: Wind up to " in notes[1]
+
+
+def test_check_tells_faults_of_the_climate(tmp_path: Path):
+    path = tmp_path / "bridge.toml"
+    run("new", "--bridge", path)
+    (tmp_path / "wind.csv").write_text("time,speed_m_s,direction_deg,rain_mm_h\n2025-01-01,5,400,0\n")
+    with path.open("a", encoding="utf-8") as file:
+        file.write('\n[climate]\nfile = "wind.csv"\n')
+    output = run("check", path, code=2).output
+    assert "wind.csv: 1 fault" in output
+    assert "line 2: direction_deg = 400 is not allowed" in output
 
 
 def test_schema_to_the_screen_or_a_file(tmp_path: Path):

@@ -296,8 +296,13 @@ def check(case: Annotated[Path, typer.Argument(metavar="CASE", help="Case file (
     from rainwind.io.usual import unusual
     from rainwind.io.usual_bridge import unusual_bridge
 
-    bridge = is_bridge_case(case)
-    found = unusual_bridge(read_bridge(case)) if bridge else unusual(read_case(case), given_numbers(case))
+    bridge = read_bridge(case) if is_bridge_case(case) else None
+    found = unusual(read_case(case), given_numbers(case)) if bridge is None else unusual_bridge(bridge)
+    if bridge is not None and bridge.climate is not None:
+        from rainwind.io.climate_files import read_climate
+
+        for note in read_climate(bridge.climate).notes:
+            typer.echo(f"{bridge.climate.path}: {note}")
     for sentence in found:
         typer.echo(f"{case}: {sentence}")
     count = "1 unusual number" if len(found) == 1 else f"{len(found)} unusual numbers"
