@@ -8,7 +8,7 @@ import pytest
 
 from rainwind.engineering import assessment, mode_assessment
 from rainwind.engineering.assessment import assess
-from rainwind.engineering.bridge import Bridge, Question
+from rainwind.engineering.bridge import Bridge, Limits, Question
 from rainwind.engineering.cable import Cable, Damper
 from rainwind.physics.rivulet import Rivulet
 
@@ -51,6 +51,15 @@ def test_turning_the_bridge_turns_its_answer() -> None:
     a, b = (assess(one).stays[0].modes[0] for one in (BRIDGE, turned))
     assert np.roll(a.speed_low, 1, axis=0) == pytest.approx(b.speed_low, rel=1e-9, nan_ok=True)
     assert a.damping_needed.high == pytest.approx(b.damping_needed.high, rel=1e-9)
+
+
+def test_the_worst_direction_is_one_in_which_something_grows() -> None:
+    """At 4 to 7 m/s, before the usual onset of 8 m/s, only the lighter rivulets are there."""
+    wide = replace(BRIDGE, question=replace(ONE, samples=8), limits=Limits(observed_speeds=(4.0, 7.0)))
+    mode = assess(wide).stays[0].modes[0]
+    assert mode.damping_needed_observed.middle == 0.0 < mode.damping_needed_observed.high
+    assert mode.amplitude.high > 0.0
+    assert np.cos(mode.worst_direction) > -0.5  # not the wind up along the stay, where there is no rivulet
 
 
 def test_winds_from_both_sides_are_mirror_images() -> None:

@@ -210,10 +210,16 @@ def _everywhere(one: _Set) -> np.ndarray:
 
 
 def _worst_yaw(fields: list[_Set], observed: np.ndarray) -> int:
-    """The number of the yaw in which the middle sample needs the most damping at an observed speed, to first order."""
+    """The number of the yaw in which the middle sample needs the most damping at an observed speed, to first order.
+
+    Where the middle sample grows in none, most samples having no rivulet yet, that in which the others grow most.
+    """
     rates = np.concatenate([f.growth.rate / f.growth.omega for f in fields])[..., observed]
     per_sample = np.where(np.isfinite(rates), rates, -np.inf).max(axis=-1)
-    return int(np.nan_to_num(np.median(per_sample, axis=0), neginf=-1e9).argmax())
+    middle, grows = np.median(per_sample, axis=0), np.maximum(per_sample, 0.0).mean(axis=0)
+    if middle.max() <= 0.0 < grows.max():
+        return int(grows.argmax())
+    return int(np.nan_to_num(middle, neginf=-1e9).argmax())
 
 
 def _bands(values: np.ndarray) -> np.ndarray:
