@@ -156,6 +156,12 @@ _ALL = (
         "stays of strands: stress of 40 % of 1860 MPa, modulus of 195 GPa, where no axial stiffness is given",
         "judgement",
     ),
+    Source(
+        "bending stress",
+        "bending stress 2 phi sqrt(E sigma) of a stay at its anchorage: the formula is from memory; derived here for a "
+        "solid round bar in a rigid clamp and checked by our own solution of the taut bar",
+        "derived",
+    ),
     # what was observed
     Source(
         "Fred Hartman",
