@@ -43,7 +43,7 @@ def assumptions(answer: BridgeAnswer) -> tuple[tuple[str, str], ...]:
     """Each assumption once, with the stays that it belongs to in words."""
     found: dict[str, list[str]] = {}
     for stay in answer.stays:
-        for said in dict.fromkeys((*stay.assumptions, *_fields(stay.cable.assumed))):
+        for said in dict.fromkeys(stay.assumptions or _fields(stay.cable.assumed)):
             found.setdefault(said, []).append(stay.cable.name)
     bridge = [(said, "the bridge") for said in answer.bridge.assumptions]
     return (*bridge, *((said, _whose(names, answer)) for said, names in found.items()))
@@ -66,10 +66,18 @@ def _assumed(answer: BridgeAnswer) -> Iterator[Block]:
     if not found:
         yield Words("Nothing beyond the method itself.")
         return
-    order = list(dict.fromkeys(whose for _, whose in found))
-    for whose in order:
-        yield Words(f"For {whose}", "strong")
-        yield Points(tuple(said for said, of in found if of == whose))
+    for whose in ("the bridge", "all stays"):
+        common = tuple(said for said, of in found if of == whose)
+        if common:
+            yield Words(f"For {whose}", "strong")
+            yield Points(common)
+    rest: dict[str, list[str]] = {}
+    for said, of in found:
+        if of not in ("the bridge", "all stays"):
+            rest.setdefault(of, []).append(said)
+    if rest:
+        yield Words("For some stays", "strong")
+        yield Points(tuple(f"{of[0].upper()}{of[1:]}: {' '.join(said)}" for of, said in rest.items()))
 
 
 def _computed(answer: BridgeAnswer) -> str:

@@ -70,34 +70,24 @@ def _counts(answer: BridgeAnswer) -> str:
     return f"{words.stays(len(found))}: " + ", ".join(said)
 
 
-HEADER = (
-    "Stay",
-    "Verdict",
-    "Margin",
-    "Mode",
-    "Damping there (%)",
-    "Damping needed (%)",
-    "Range of wind speed (m/s)",
-    "Amplitude (m)",
-)
-_WIDTHS = (0.1, 0.145, 0.085, 0.06, 0.09, 0.15, 0.18, 0.19)
+_WIDTHS = (0.1, 0.145, 0.1, 0.09, 0.145, 0.14, 0.13, 0.15)
 
 
 def _table(answer: BridgeAnswer) -> Table:
-    return Table(HEADER, tuple(_row(stay) for stay in answer.stays), widths=_WIDTHS, left=(0, 1))
-
-
-def _row(stay: StayAnswer) -> tuple[Cell, ...]:
-    texts = words.summary_row(stay)
-    return tuple(Cell(text, stay.verdict if i == 1 else "") for i, text in enumerate(texts))
+    header, rows = words.summary_rows(answer)
+    cells = tuple(
+        tuple(Cell(text, stay.verdict if i == 1 else "") for i, text in enumerate(row))
+        for stay, row in zip(answer.stays, rows, strict=True)
+    )
+    return Table(tuple(text.capitalize() for text in header), cells, widths=_WIDTHS, left=(0, 1))
 
 
 def _legend(answer: BridgeAnswer) -> str:
     meanings = "; ".join(f"{one.symbol} {one.word}: {one.meaning}" for one in words.VERDICTS.values())
     return (
         f"{meanings}. Margin: damping there over damping needed at the high end of its band, at observed speeds, in the "
-        "mode that decides; below 1 there is too little. Amplitude: half peak to peak, of the largest mode. Open: the "
-        "range reaches the highest speed looked at."
+        "mode that decides; below 1 there is too little. Bands: middle (low to high end). Amplitude: half peak to peak, of the largest mode. Open: the "
+        "range reaches the highest speed looked at. Per cents below a band are shares of the samples."
     )
 
 
@@ -139,9 +129,23 @@ def _sentences(answer: BridgeAnswer) -> Iterator[str]:
             "have not been observed above "
             f"{answer.bridge.limits.observed_speeds[1]:g} m/s."
         )
-    against = [stay for stay in done if stay.verdict == "doubtful"]
-    if against:
-        yield f"Doubtful, because model and code rule disagree or the band decides: {_names(against)}."
+    yield _enough(done)
+
+
+def _enough(done: list[StayAnswer]) -> str:
+    """How many stays have enough by the model's middle, its high end, and the rule."""
+
+    def count(level: str) -> int:
+        return sum(
+            all(mode.damping_total >= getattr(mode.damping_needed_observed, level) for mode in stay.modes)
+            for stay in done
+        )
+
+    rule = sum(all(mode.damping_total >= mode.rule_damping for mode in stay.modes) for stay in done)
+    return (
+        f"Stays with enough damping, of {len(done)} computed: {count('middle')} at the middle of the band, "
+        f"{count('high')} at its high end, {rule} by the PTI rule."
+    )
 
 
 def _largest(answer: BridgeAnswer, done: list[StayAnswer]) -> str:
@@ -165,21 +169,25 @@ def _steps(answer: BridgeAnswer) -> Iterator[str]:
     short = _by_margin(answer, "insufficient")
     if short:
         yield (
-            f"Add damping to {_names(short)}. At the high end of the band {_needs(short[0])}. A damper near an anchorage "
-            "adds at most about half its distance over the length: x_d/L must be at least twice the ratio it adds. "
-            "Each stay's page says where it must stand."
+            f"Add damping to {_names(short, answer)}. At the high end of the band {_needs(short[0])}. A damper near an anchorage "
+            "adds at most about half its distance over the length: for that x_d/L must be at least "
+            f"{words.number(_least_position(short[0]), 2)}, twice the ratio it adds. Each stay's page says where it must stand."
         )
     doubtful = _by_margin(answer, "doubtful")
     if doubtful:
         yield (
-            f"Decide about {_names(doubtful)}: measure the damping of the worst modes first, since every margin is "
-            f"proportional to it. To be safe at the high end of the band {_needs(doubtful[0])}."
+            f"Decide about {_names(doubtful, answer)}: measure the damping of the worst modes first, since every margin is "
+            f"proportional to it. To be safe at the high end of the band {_needs(doubtful[0])}; a damper "
+            f"near an anchorage would need x_d/L of {words.number(_least_position(doubtful[0]), 2)} or more, twice the ratio it adds. Each "
+            "stay's page says what would do at the middle and at the high end."
         )
     if any(stay.cable.assumed for stay in answer.stays) or answer.bridge.assumptions:
         yield "Replace what was assumed by what is measured or drawn; the assumptions stand at the end of this report."
     failed = [stay for stay in answer.stays if stay.failure]
-    if failed:
-        yield f"Mend the input of what could not be computed: {_names(failed)}."
+    for stay in failed[:3]:
+        yield f"Stay {words.named(stay)} could not be computed: {words.shortened(stay.failure, 160)}"
+    if len(failed) > 3:
+        yield f"{len(failed)} stays could not be computed; their parts say why: {_names(failed, answer)}."
     if answer.interrupted:
         yield "Run the same command again; it goes on from the stays that are done."
     if not short and not doubtful and not failed:
@@ -191,18 +199,28 @@ def _by_margin(answer: BridgeAnswer, verdict: str) -> list[StayAnswer]:
 
 
 def _needs(stay: StayAnswer) -> str:
-    """ "stay S1 needs 0.59 % in mode 1, 0.11 % more than there is"."""
+    """ "stay S1 needs 0.59 % of critical in mode 1, where there is 0.48 %"."""
     mode = stay.worst
     assert mode is not None
     target = _target(mode)
-    more = target - mode.damping_total
-    rest = f", {words.number(100 * more, 2)} % more than there is" if more > 0 else ", which is there"
-    return f"stay {words.named(stay)} needs {words.number(100 * target, 2)} % of critical in mode {mode.number}{rest}"
+    return (
+        f"stay {words.named(stay)} needs {words.number(100 * target)} % of critical in mode {mode.number}, where there is "
+        f"{words.number(100 * mode.damping_total)} %"
+    )
+
+
+def _least_position(stay: StayAnswer) -> float:
+    """x_d/L of a damper that adds, alone, what the stay itself has not."""
+    mode = stay.worst
+    assert mode is not None
+    return 2.0 * max(_target(mode) - mode.damping_own, 0.0)
 
 
 def _target(mode: ModeAnswer) -> float:
     return mode.damping_needed_observed.high
 
 
-def _names(stays: list[StayAnswer]) -> str:
+def _names(stays: list[StayAnswer], answer: BridgeAnswer) -> str:
+    if len(stays) == len(answer.stays) > 3:
+        return f"all {len(stays)} stays"
     return ("stay " if len(stays) == 1 else "stays ") + words.joined([stay.cable.name for stay in stays])

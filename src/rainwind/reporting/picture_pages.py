@@ -1,14 +1,199 @@
-"""The pages of pictures."""
+"""The pages of pictures: the stays by margin, wind rose, ranges over direction, amplitudes over speed, dampers."""
 
-from collections.abc import Iterator
+import warnings
+from collections.abc import Callable, Iterator
+from io import StringIO
 
-from rainwind.engineering.answers import BridgeAnswer
-from rainwind.engineering.climate import Climate
-from rainwind.reporting.content import Section
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as Canvas
+
+from rainwind.engineering.answers import BridgeAnswer, ModeAnswer, StayAnswer
+from rainwind.engineering.climate import Climate, wind_rose
+from rainwind.engineering.damper_curve import DamperCurve, damper_curve, optimum_coefficient
+from rainwind.errors import RainwindError
+from rainwind.plotting import damper_curves, style
+from rainwind.plotting import wind_rose as rose_picture
+from rainwind.reporting import amplitude_curve, range_polar, stay_map, words
+from rainwind.reporting.content import Block, Figure, Section
 
 __all__ = ["picture_pages"]
 
+_CURVES = 6  # stays whose amplitudes and dampers are drawn
+
 
 def picture_pages(answer: BridgeAnswer, climate: Climate | None = None) -> Iterator[Section]:
-    """Map of the stays, wind rose, ranges over direction, amplitudes over speed, damper curves."""
-    yield from ()
+    """One chapter of figures; none where no stay was computed."""
+    blocks = tuple(_figures(answer, climate))
+    if blocks:
+        yield Section("Pictures", blocks, new_page=True)
+
+
+def _figures(answer: BridgeAnswer, climate: Climate | None) -> Iterator[Block]:
+    if not any(stay.modes for stay in answer.stays):
+        return
+    yield _map(answer)
+    ranged = _worst_range(answer)
+    if climate is not None:
+        yield _rose(answer, climate, ranged)
+    if ranged is not None:
+        yield _polar(answer, *ranged)
+    worst = [stay for stay in _by_margin(answer) if stay.worst is not None][:_CURVES]
+    yield _amplitudes(answer, worst)
+    damped = [stay for stay in _by_margin(answer) if stay.cable.dampers][:_CURVES]
+    curves = [pair for stay in damped if (pair := (stay, _damper_curve(stay)))[1] is not None]
+    if curves:
+        yield _dampers(curves)
+
+
+def _by_margin(answer: BridgeAnswer) -> list[StayAnswer]:
+    return sorted((stay for stay in answer.stays if stay.modes), key=lambda stay: stay.margin)
+
+
+def _worst_range(answer: BridgeAnswer) -> tuple[StayAnswer, ModeAnswer] | None:
+    for stay in _by_margin(answer):
+        mode = words.range_mode(stay)
+        if mode is not None:
+            return stay, mode
+    return None
+
+
+def _map(answer: BridgeAnswer) -> Figure:
+    if stay_map.has_chainages(answer):
+        caption = "The stays in elevation, each by its margin; a line begins at the lower anchorage."
+    else:
+        caption = "Margin of each stay; below 1, dashed, there is less damping than the high end of the band asks for."
+    return _drawn(lambda axes: stay_map.draw(answer, axes), caption, width="double", height=78)
+
+
+def _rose(answer: BridgeAnswer, climate: Climate, ranged: tuple[StayAnswer, ModeAnswer] | None) -> Figure:
+    directions = 2 * np.pi * np.arange(answer.bridge.question.directions) / answer.bridge.question.directions
+    edges = np.array([0.0, 5.0, 10.0, 15.0, 20.0])
+    rose = wind_rose(climate, directions, edges, wet=True)
+    low = high = None
+    more = ""
+    if ranged is not None:
+        stay, mode = ranged
+        low, high = mode.speed_low[:, 1], mode.speed_high[:, 1]
+        more = f" Hatched: the middle of the range of stay {words.named(stay)}, mode {mode.number}."
+    caption = f"Hours a year with rain, by direction and speed of the wind at the anemometer ({climate.height:g} m).{more}"
+    return _drawn(
+        lambda axes: rose_picture.draw(rose, axes, low=low, high=high), caption, polar=True, height=115, share=0.55
+    )
+
+
+def _polar(answer: BridgeAnswer, stay: StayAnswer, mode: ModeAnswer) -> Figure:
+    question, limits = answer.bridge.question, answer.bridge.limits
+    caption = (
+        f"Stay {words.named(stay)}, mode {mode.number}: range of wind speed (radius, m/s) over the direction from which the "
+        f"wind comes, in those samples that have one (at most {words.share(float(mode.share.max()))})."
+    )
+    return _drawn(
+        lambda axes: range_polar.draw(mode, axes, limits.observed_speeds, question.speeds[1]),
+        caption,
+        polar=True,
+        height=105,
+        share=0.55,
+    )
+
+
+def _amplitudes(answer: BridgeAnswer, stays: list[StayAnswer]) -> Figure:
+    limits = answer.bridge.limits
+
+    def draw(k: int, axes: Axes) -> None:
+        stay = stays[k]
+        mode = words.amplitude_mode(stay) or stay.modes[0]
+        accepted = limits.amplitude_diameters * stay.cable.diameter
+        amplitude_curve.draw(mode, axes, limits.observed_speeds, accepted)
+        axes.set_title(f"stay {words.for_figure(stay.cable.name)}, mode {mode.number}", loc="left")
+
+    caption = (
+        "Amplitude at the antinode, half peak to peak, over the wind speed, in the direction that needs the most damping"
+        f"{'; the stays with the least margins' if len(stays) < len(answer.stays) else ''}."
+    )
+    return _panels(draw, len(stays), caption)
+
+
+def _damper_curve(stay: StayAnswer) -> DamperCurve | None:
+    """Of the stay's first damper; None where it cannot be computed."""
+    cable, damper = stay.cable, stay.cable.dampers[0]
+    modes = [mode.number for mode in stay.modes][:_CURVES]
+    best = optimum_coefficient(cable, 1, damper.position, damper.support_stiffness)
+    ends = sorted((best, damper.coefficient))
+    over = np.geomspace(ends[0] / 20, ends[1] * 10, 60)
+    try:
+        return damper_curve(cable, modes, damper.position, over, damper.support_stiffness)
+    except RainwindError:
+        return None
+
+
+def _dampers(curves: list[tuple[StayAnswer, DamperCurve | None]]) -> Figure:
+    def draw(k: int, axes: Axes) -> None:
+        stay, curve = curves[k]
+        assert curve is not None and stay.worst is not None
+        wanted = stay.worst.damping_needed_observed.middle - stay.worst.damping_own
+        targets = {stay.worst.number: wanted} if wanted > 0 else {}
+        damper_curves.draw(curve, axes, chosen=stay.cable.dampers[0].coefficient, targets=targets)
+        for line in axes.lines:
+            if str(line.get_label()).startswith("chosen"):
+                line.set_label("the damper there is")
+        axes.set_title(f"stay {words.for_figure(stay.cable.name)}, damper at {curve.position:.3g} m", loc="left")
+
+    caption = (
+        "Damping that the first damper of a stay adds, over its coefficient. Dashed: what the mode that decides needs beyond "
+        "the stay's own damping, at the middle of the band."
+    )
+    return _panels(draw, len(curves), caption)
+
+
+def _panels(draw: Callable[[int, Axes], None], count: int, caption: str) -> Figure:
+    """Two beside each other, with one legend below all."""
+    canvas, rows = Canvas(), (count + 1) // 2
+
+    def fill() -> None:
+        grid = canvas.subplots(rows, 2 if count > 1 else 1, squeeze=False)
+        labelled: dict[str, object] = {}
+        for k, axes in enumerate(grid.flat):
+            if k >= count:
+                axes.set_visible(False)
+                continue
+            draw(k, axes)
+            handles, labels = axes.get_legend_handles_labels()
+            labelled = {**dict(zip(labels, handles, strict=True)), **labelled}
+            if axes.get_legend() is not None:
+                axes.get_legend().remove()
+            if k + 2 < count:
+                axes.set_xlabel("")
+        canvas.legend(labelled.values(), labelled.keys(), loc="outside lower center", ncols=3)
+
+    double = count > 1
+    svg = _svg(canvas, fill, "double" if double else "single", (16.0 if double else 22.0) + 48.0 * rows)
+    return Figure(svg, caption, 1.0 if double else 0.6)
+
+
+def _drawn(
+    draw: Callable[[Axes], object],
+    caption: str,
+    *,
+    width: str = "single",
+    height: float = 70.0,
+    polar: bool = False,
+    share: float = 1.0,
+) -> Figure:
+    canvas = Canvas()
+
+    def fill() -> None:
+        settings = {"projection": "polar"} if polar else {}
+        draw(canvas.subplots(subplot_kw=settings))
+
+    return Figure(_svg(canvas, fill, width, height), caption, share)
+
+
+def _svg(canvas: Canvas, fill: Callable[[], None], width: str, height: float) -> str:
+    """The figure as SVG text; letters that the font lacks stand as boxes."""
+    out = StringIO()
+    with style.journal(canvas, width=width, height=height), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing")
+        fill()
+        canvas.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
+    return out.getvalue()

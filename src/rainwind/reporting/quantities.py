@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import degrees, nan
+from math import degrees, nan, radians
 
 import numpy as np
 
@@ -19,7 +19,8 @@ Value = float | Band | None
 class Quantity:
     """One number or band of a mode. value gives it in `unit`; None: the stay has no such thing.
 
-    group: the heading under which the pages list it. digits: significant ones.
+    group: the heading under which the pages list it. digits: significant ones. band: value is one. said: how a page
+    prints a number, if not as `words.number`.
     """
 
     group: str
@@ -28,16 +29,15 @@ class Quantity:
     value: Callable[[StayAnswer, ModeAnswer], Value]
     digits: int = 3
     band: bool = False
+    said: Callable[[float], str] | None = None
 
     def text(self, stay: StayAnswer, mode: ModeAnswer) -> str:
-        """As a page prints it: a number, or a band in two or three lines."""
+        """As a page prints it: a number, or a band in one or two lines."""
         value = self.value(stay, mode)
         if isinstance(value, Band):
             return words.band_lines(value, self.digits)
-        if self.unit == "°":
-            return words.compass(np.radians(value if value is not None else nan))
-        if self.label == "margin" and value is not None:
-            return words.margin(value)
+        if self.said is not None and value is not None:
+            return self.said(value)
         return words.number(value, self.digits)
 
 
@@ -83,6 +83,14 @@ def _most_lost(mode: ModeAnswer) -> float | None:
     return None if mode.lost is None or not len(mode.lost) else 100 * float(np.max(mode.lost))
 
 
+def _percent(value: float) -> str:
+    return words.share(value / 100)
+
+
+def _wind(degrees_: float) -> str:
+    return words.compass(radians(degrees_))
+
+
 _MODE, _DAMPING, _RANGE, _SIZE = "The mode", "Damping", "Wind", "Vibration"
 _DAMPER, _YEAR, _OTHER = "Dampers", "In a year", "Other vibrations"
 
@@ -99,16 +107,16 @@ QUANTITIES: tuple[Quantity, ...] = (
     ),
     Quantity(_DAMPING, "damping needed, all speeds", "%", lambda s, m: scaled(m.damping_needed, 100), 2, True),
     Quantity(_DAMPING, "damping by the PTI rule", "%", lambda s, m: 100 * m.rule_damping),
-    Quantity(_DAMPING, "margin", "", lambda s, m: m.margin),
+    Quantity(_DAMPING, "margin", "", lambda s, m: m.margin, said=words.margin),
     Quantity(_RANGE, "range begins", "m/s", lambda s, m: m.range_low, 2, True),
     Quantity(_RANGE, "range ends", "m/s", lambda s, m: m.range_high, 2, True),
-    Quantity(_RANGE, "range open at the highest speed, share of samples", "%", lambda s, m: 100 * m.unlimited),
-    Quantity(_RANGE, "worst direction, wind from", "°", lambda s, m: degrees(m.worst_direction)),
+    Quantity(_RANGE, "range open, share of samples", "%", lambda s, m: 100 * m.unlimited, said=_percent),
+    Quantity(_RANGE, "worst direction, wind from", "°", lambda s, m: degrees(m.worst_direction), said=_wind),
     Quantity(_SIZE, "amplitude, half peak to peak", "m", lambda s, m: m.amplitude, 2, True),
     Quantity(_SIZE, "amplitude, peak to peak", "m", lambda s, m: scaled(m.amplitude, 2), 2, True),
     Quantity(_SIZE, "amplitude in diameters", "D", lambda s, m: _times_diameter(m.amplitude, s), 2, True),
     Quantity(_SIZE, "amplitude without dampers", "m", lambda s, m: m.amplitude_undamped, 2, True),
-    Quantity(_SIZE, "samples that lose their rivulet, at most", "%", lambda s, m: _most_lost(m)),
+    Quantity(_SIZE, "samples that lose their rivulet, at most", "%", lambda s, m: _most_lost(m), said=_percent),
     Quantity(_SIZE, "build-up time", "s", lambda s, m: m.build_up, 2, True),
     Quantity(_SIZE, "uplift of mid-span", "mm", lambda s, m: scaled(m.uplift, 1e3), 2, True),
     Quantity(_DAMPER, "damper stroke", "mm", lambda s, m: scaled(m.stroke, 1e3), 2, True),

@@ -25,8 +25,8 @@ def stay_pages(answer: BridgeAnswer) -> Iterator[Section]:
 
 
 _BANDS = (
-    "A band stands as its 5 and 95 % ends, its middle, and, where the thing does not exist in all samples, the share of "
-    "those in which it does. Amplitudes are those of the antinode."
+    "A band stands as its middle (5 to 95 %), and, where the thing does not exist in all samples, with the share of those "
+    "in which it does. Amplitudes are those of the antinode."
 )
 
 
@@ -73,7 +73,7 @@ def _modes(stay: StayAnswer, modes: Sequence[ModeAnswer]) -> Table:
         if told:
             rows.append((Cell(group),))
         for one in told:
-            label = one.label + (f" ({one.unit})" if one.unit and one.unit != "°" else "")
+            label = one.label + (f" ({one.unit})" if one.unit and one.said is None else "")
             rows.append((Cell(label), *(Cell(one.text(stay, mode)) for mode in modes)))
     header = ("", *(f"Mode {mode.number}" for mode in modes))
     wide = 0.37

@@ -6,12 +6,13 @@ from math import floor, isinf, isnan, log10, pi
 from rainwind.engineering.answers import Band, BridgeAnswer, ModeAnswer, StayAnswer, Verdict
 
 __all__ = [
-    "VERDICTS", "VerdictWords", "amplitude_mode", "band", "band_lines", "band_parts", "compass", "in_percent", "joined",
+    "VERDICTS", "VerdictWords", "amplitude_mode", "band", "band_lines", "band_parts", "compass", "for_figure", "in_percent", "joined",
     "margin", "named", "number", "range_mode", "share", "shortened", "speed_range", "stays", "summary_row",
     "summary_rows",
 ]  # fmt: skip
 
 NONE = "none"
+_NOTHING = 1e-6  # of any unit printed: less is rounding
 NOT_NEEDED = "no damping needed"
 _POINTS = ("N", "NNE", "NE", "ENE", "E", "ESE", "SE", "SSE", "S", "SSW", "SW", "WSW", "W", "WNW", "NW", "NNW")
 
@@ -55,22 +56,32 @@ def number(value: float | None, digits: int = 3) -> str:
 
 
 def band(values: Band | None, digits: int = 2, unit: str = "") -> str:
-    """A band as "0.25 to 0.61, middle 0.40 %", with the share of samples where that is not all of them."""
+    """A band as "0.40 (0.25 to 0.61) %": the middle, the ends, and the share of samples where that is not all."""
     if values is None or not values.exists:
         return NONE
-    range_, middle, share_ = band_parts(values, digits)
-    text = ", ".join(part for part in (range_, middle) if part) + (f" {unit}" if unit else "")
-    return f"{text} ({share_})" if share_ else text
+    text, there = band_parts(values, digits)
+    text += f" {unit}" if unit else ""
+    return f"{text}, {there}" if there else text
 
 
-def band_parts(values: Band, digits: int = 2) -> tuple[str, str, str]:
-    """The range, the middle, and in how many samples (empty if in all): three texts of one band that exists."""
+def band_lines(values: Band | None, digits: int = 2) -> str:
+    """A band for a cell of a table: middle and ends, and in a second line the share of samples if not all."""
+    if values is None or not values.exists:
+        return NONE
+    return "\n".join(part for part in band_parts(values, digits) if part)
+
+
+def band_parts(values: Band, digits: int = 2) -> tuple[str, str]:
+    """Middle and ends, and in how many samples (empty if in all): two texts of one band that exists."""
     there = "" if values.share >= 1.0 else f"in {share(values.share)} of samples"
-    if values.low == values.high == 0:
-        return "0", "", there
-    decimals = _decimals(max(abs(values.high), abs(values.low)), digits)
+    largest = max(abs(values.high), abs(values.low))
+    if largest < _NOTHING:
+        return "0", there
+    decimals = _decimals(largest, digits)
+    if abs(values.middle) >= _NOTHING:
+        decimals = min(_decimals(largest, digits + 1), _decimals(values.middle, digits))
     low, middle, high = (_minus(f"{v:.{decimals}f}") for v in (values.low, values.middle, values.high))
-    return f"{low} to {high}", f"middle {middle}", there
+    return f"{middle} ({low} to {high})", there
 
 
 def margin(value: float) -> str:
@@ -114,6 +125,12 @@ def shortened(text: str, letters: int = 60) -> str:
     return text if len(text) <= letters else text[: letters - 1].rstrip() + "…"
 
 
+def for_figure(text: str, letters: int = 24) -> str:
+    """A text of a user, shortened, that matplotlib reads neither as a formula nor as a control character."""
+    seen = "".join(letter for letter in text if letter.isprintable() or letter.isspace())
+    return shortened(seen, letters).replace("$", r"\$")
+
+
 def stays(count: int) -> str:
     """ "1 stay", "2 stays"."""
     return f"{count} stay" if count == 1 else f"{count} stays"
@@ -131,14 +148,10 @@ def _decimals(value: float, digits: int) -> int:
 
 
 def _minus(text: str) -> str:
+    """With a true minus sign, and none before zero."""
+    if text.startswith("-") and not text.strip("-0."):
+        text = text[1:]
     return text.replace("-", "−")
-
-
-def band_lines(values: Band | None, digits: int = 2) -> str:
-    """A band for a cell of a table: the range, the middle and the share of samples, a line each."""
-    if values is None or not values.exists:
-        return NONE
-    return "\n".join(part for part in band_parts(values, digits) if part)
 
 
 def range_mode(stay: StayAnswer) -> ModeAnswer | None:
@@ -153,50 +166,47 @@ def amplitude_mode(stay: StayAnswer) -> ModeAnswer | None:
     return max(there, key=lambda mode: mode.amplitude.high, default=None)
 
 
-def speed_range(stay: StayAnswer) -> str:
-    """Where the range of the stay begins and ends, each a band, and whether it is open; in lines."""
+def speed_range(stay: StayAnswer) -> tuple[str, str]:
+    """Where the stay's range of wind speed begins, in how many samples; where it ends, in how many it is open."""
     mode = range_mode(stay)
     if mode is None:
-        return NONE
-    low, high = (band_parts(one) for one in (mode.range_low, mode.range_high))
-    lines = [f"from {low[0]}", f"up to {high[0]}" if mode.range_high.exists else "no end found"]
-    if mode.unlimited > 0:
-        lines.append(f"open in {share(mode.unlimited)}")
-    return "\n".join(lines)
+        return NONE, NONE
+    begins, ends = (band_parts(one)[0] if one.exists else NONE for one in (mode.range_low, mode.range_high))
+    if mode.range_low.share < 1:
+        begins += f"\nin {share(mode.range_low.share)}"
+    return begins, ends + (f"\nopen in {share(mode.unlimited)}" if mode.unlimited > 0 else "")
 
 
 def summary_rows(answer: BridgeAnswer) -> tuple[list[str], list[list[str]]]:
-    """Header and rows of the table that a terminal shows: one row a stay, texts only."""
+    """Header and rows of the first page's table, which a terminal shows too: one row a stay, texts only."""
     header = [
         "stay",
         "verdict",
         "margin",
-        "mode",
         "damping there (%)",
-        "needed (%)",
-        "wind speed (m/s)",
+        "damping needed (%)",
+        "range begins (m/s)",
+        "range ends (m/s)",
         "amplitude (m)",
     ]
     return header, [summary_row(stay) for stay in answer.stays]
 
 
 def summary_row(stay: StayAnswer) -> list[str]:
-    """One stay: name, verdict, margin, the mode that decides, damping there and needed, speeds, amplitude."""
+    """One stay: name, verdict, margin and mode that decides, damping there and needed, range, largest amplitude."""
     verdict = VERDICTS[stay.verdict]
     said = f"{verdict.symbol} {verdict.word}"
     name, mode = shortened(stay.cable.name, 40), stay.worst
     if stay.failure or mode is None:
-        return [name, said, NONE, "", shortened(stay.failure, 60), "", "", ""]
+        return [name, said, NONE, NONE, NONE, NONE, NONE, NONE]
     largest = amplitude_mode(stay)
-    needed = mode.damping_needed_observed
     return [
         name,
         said,
-        margin(stay.margin),
-        str(mode.number),
+        margin(stay.margin) + (f"\nmode {mode.number}" if not isinf(stay.margin) else ""),
         number(100 * mode.damping_total),
-        band_lines(in_percent(needed)),
-        speed_range(stay),
+        band_lines(in_percent(mode.damping_needed_observed)),
+        *speed_range(stay),
         band_lines(largest.amplitude) if largest else NONE,
     ]
 
