@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from rainwind.engineering.bridge import ClimateSource
 from rainwind.engineering.climate import HOURS, Climate, exposure
@@ -312,3 +314,26 @@ def test_files_that_cannot_be_read(tmp_path: Path):
     (tmp_path / "latin.csv").write_bytes("time;direction [°]".encode("latin-1"))
     with pytest.raises(CaseError, match="not a text file in UTF-8"):
         read_climate(ClimateSource(tmp_path / "latin.csv"))
+
+
+_CELLS = st.one_of(
+    st.sampled_from(["", "5", "360", "-1", "1e400", "1e-300", "NaN", '"', '"a,b"', "2025-03-01T01:00", "x"]),
+    st.sampled_from(["0001-01-01T00:00+14:00", "9999-12-31T23:59-14:00", "2025-03-01T02:00Z", "1_0", "٣", "\x00"]),
+    st.text(max_size=4),
+)  # fmt: skip
+
+
+@given(st.sampled_from([HEADER, TABLE]), st.lists(st.lists(_CELLS, min_size=3, max_size=6), max_size=6))
+@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_any_text_is_a_climate_or_a_fault(tmp_path: Path, header: str, rows: list[list[str]]):
+    text = header + "\n".join(",".join(row) for row in rows)
+    try:
+        found = read(tmp_path, text)
+    except CaseError as error:
+        said = str(error)
+    else:
+        said = ""
+        assert found.hours.sum() <= HOURS * 1.01
+        assert 0 < found.coverage <= 1
+        assert found.notes
+    assert not said or said.startswith(f"{tmp_path / 'climate.csv'}: ")
