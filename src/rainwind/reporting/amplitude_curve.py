@@ -18,9 +18,11 @@ def draw(mode: ModeAnswer, axes: Axes, observed: tuple[float, float], accepted: 
     undamped = mode.amplitudes_undamped
     if undamped is not None:
         _band(axes, mode.speeds, undamped, style.VERMILION, "#F3D6C2", style.DASHED, ", without dampers")
-    _band(axes, mode.speeds, mode.amplitudes, style.BLUE, "#9CC4DF", "-", ", with dampers" if undamped is not None else "")
+    _band(axes, mode.speeds, mode.amplitudes, style.BLUE, "#9CC4DF", "-", "")
     if accepted is not None:
-        axes.axhline(accepted, color=style.BLACK, linestyle=style.DOTTED, linewidth=0.9, label="accepted", zorder=3)
+        axes.axhline(
+            accepted, color=style.BLACK, linestyle=style.DOTTED, linewidth=0.9, label="accepted", zorder=3
+        )
     axes.set_ylim(0, None)
     low, high = min(observed[0], mode.speeds.min()), max(observed[1], mode.speeds.max())
     axes.set_xlim(low - 0.5, high + 0.5)

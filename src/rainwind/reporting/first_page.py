@@ -70,7 +70,7 @@ def _counts(answer: BridgeAnswer) -> str:
     return f"{words.stays(len(found))}: " + ", ".join(said)
 
 
-_WIDTHS = (0.1, 0.145, 0.1, 0.09, 0.145, 0.14, 0.13, 0.15)
+_WIDTHS = (0.1, 0.135, 0.09, 0.09, 0.14, 0.14, 0.13, 0.175)
 
 
 def _table(answer: BridgeAnswer) -> Table:
@@ -125,8 +125,8 @@ def _sentences(answer: BridgeAnswer) -> Iterator[str]:
     unlimited = [mode.unlimited for _, mode in hit]
     if unlimited and max(unlimited) > 0:
         yield (
-            f"Where a range is open, the model has no upper limit at {answer.bridge.question.speeds[1]:g} m/s; rivulets "
-            "have not been observed above "
+            f"Where a range is open, the model still vibrates at {answer.bridge.question.speeds[1]:g} m/s, the highest "
+            "speed looked at; rivulets have not been observed above "
             f"{answer.bridge.limits.observed_speeds[1]:g} m/s."
         )
     yield _enough(done)

@@ -19,6 +19,7 @@ def html(report: Report) -> str:
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
+    environment.filters["tidy"] = words.unbroken
     environment.filters["kind"] = lambda block: type(block).__name__
     template = environment.from_string((templates / "report.html.j2").read_text(encoding="utf-8"))
     pictures = {

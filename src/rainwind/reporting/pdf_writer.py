@@ -27,7 +27,9 @@ def pdf(report: Report) -> bytes:
         template = files("rainwind.reporting") / "templates" / _TEMPLATE
         (root / _TEMPLATE).write_text(template.read_text(encoding="utf-8"), encoding="utf-8")
         (root / "report.json").write_text(json.dumps(_report(report, root)), encoding="utf-8")
-        return typst.compile(str(root / _TEMPLATE), root=str(root), ignore_system_fonts=True, font_paths=[_fonts()])
+        return typst.compile(
+            str(root / _TEMPLATE), root=str(root), ignore_system_fonts=True, font_paths=[_fonts()]
+        )
 
 
 def _fonts() -> str:
@@ -72,7 +74,7 @@ def _block(block: Block, root: Path) -> Mapping[str, Any]:
             (root / name).write_text(svg, encoding="utf-8")
             return {"type": "figure", "file": name, "caption": _text(caption), "width": width}
         case Verbatim(text):
-            return {"type": "verbatim", "lines": [_text(line) for line in text.splitlines()]}
+            return {"type": "verbatim", "lines": [_breakable(line) for line in text.splitlines()]}
 
 
 def _table(table: Table) -> Mapping[str, Any]:
@@ -93,6 +95,12 @@ def _cell(cell: Cell) -> Mapping[str, str]:
 
 
 def _text(text: str) -> str:
+    return _breakable(words.unbroken(text))
+
+
+def _breakable(text: str) -> str:
     """Without control characters; words of many letters may break anywhere."""
     text = _CONTROL.sub("", text.replace("\t", "    "))
-    return _LONG.sub(lambda found: "\u200b".join(found[0][i : i + 8] for i in range(0, len(found[0]), 8)), text)
+    return _LONG.sub(
+        lambda found: "\u200b".join(found[0][i : i + 4] for i in range(0, len(found[0]), 4)), text
+    )

@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from io import StringIO
 
 import numpy as np
@@ -15,32 +16,34 @@ from rainwind.errors import RainwindError
 from rainwind.plotting import damper_curves, style
 from rainwind.plotting import wind_rose as rose_picture
 from rainwind.reporting import amplitude_curve, range_polar, stay_map, words
-from rainwind.reporting.content import Block, Figure, Section
+from rainwind.reporting.content import Figure, Section
 
 __all__ = ["picture_pages"]
 
-_CURVES = 6  # stays whose amplitudes and dampers are drawn
+_AMPLITUDES, _DAMPERS, _MODES = 6, 4, 6  # stays, stays and modes that are drawn, at most
+_ROSE = np.array([0.0, 5.0, 10.0, 15.0, 20.0])  # m/s
 
 
 def picture_pages(answer: BridgeAnswer, climate: Climate | None = None) -> Iterator[Section]:
     """One chapter of figures; none where no stay was computed."""
-    blocks = tuple(_figures(answer, climate))
+    blocks = tuple(
+        replace(figure, caption=f"Figure {number}. {figure.caption}")
+        for number, figure in enumerate(_figures(answer, climate), start=1)
+    )
     if blocks:
         yield Section("Pictures", blocks, new_page=True)
 
 
-def _figures(answer: BridgeAnswer, climate: Climate | None) -> Iterator[Block]:
-    if not any(stay.modes for stay in answer.stays):
+def _figures(answer: BridgeAnswer, climate: Climate | None) -> Iterator[Figure]:
+    stays = _by_margin(answer)
+    if not stays:
         return
     yield _map(answer)
     ranged = _worst_range(answer)
-    if climate is not None:
-        yield _rose(answer, climate, ranged)
-    if ranged is not None:
-        yield _polar(answer, *ranged)
-    worst = [stay for stay in _by_margin(answer) if stay.worst is not None][:_CURVES]
-    yield _amplitudes(answer, worst)
-    damped = [stay for stay in _by_margin(answer) if stay.cable.dampers][:_CURVES]
+    if climate is not None or ranged is not None:
+        yield _round(answer, climate, ranged)
+    yield _amplitudes(answer, stays[:_AMPLITUDES])
+    damped = [stay for stay in stays if stay.cable.dampers][:_DAMPERS]
     curves = [pair for stay in damped if (pair := (stay, _damper_curve(stay)))[1] is not None]
     if curves:
         yield _dampers(curves)
@@ -60,41 +63,49 @@ def _worst_range(answer: BridgeAnswer) -> tuple[StayAnswer, ModeAnswer] | None:
 
 def _map(answer: BridgeAnswer) -> Figure:
     if stay_map.has_chainages(answer):
-        caption = "The stays in elevation, each by its margin; a line begins at the lower anchorage."
+        caption = "The stays in elevation, to scale, each from its lower anchorage, with its margin."
     else:
         caption = "Margin of each stay; below 1, dashed, there is less damping than the high end of the band asks for."
-    return _drawn(lambda axes: stay_map.draw(answer, axes), caption, width="double", height=78)
+    canvas = Canvas()
+    svg = _svg(canvas, lambda: stay_map.draw(answer, canvas.subplots()), "double", 84)
+    return Figure(svg, caption)
 
 
-def _rose(answer: BridgeAnswer, climate: Climate, ranged: tuple[StayAnswer, ModeAnswer] | None) -> Figure:
-    directions = 2 * np.pi * np.arange(answer.bridge.question.directions) / answer.bridge.question.directions
-    edges = np.array([0.0, 5.0, 10.0, 15.0, 20.0])
-    rose = wind_rose(climate, directions, edges, wet=True)
+def _round(
+    answer: BridgeAnswer, climate: Climate | None, ranged: tuple[StayAnswer, ModeAnswer] | None
+) -> Figure:
+    """Ranges over direction, and beside it the wind rose if there is a climate."""
+    question, limits = answer.bridge.question, answer.bridge.limits
+    pictures: list[Callable[[Axes], object]] = []
+    captions: list[str] = []
     low = high = None
-    more = ""
     if ranged is not None:
         stay, mode = ranged
+        pictures.append(lambda axes: range_polar.draw(mode, axes, limits.observed_speeds, question.speeds[1]))
+        captions.append(
+            f"Stay {words.named(stay)}, mode {mode.number}: range of wind speed (radius, m/s) over the direction from which "
+            f"the wind comes, in those samples that have one (at most {words.share(float(mode.share.max()))})."
+        )
         low, high = mode.speed_low[:, 1], mode.speed_high[:, 1]
-        more = f" Hatched: the middle of the range of stay {words.named(stay)}, mode {mode.number}."
-    caption = f"Hours a year with rain, by direction and speed of the wind at the anemometer ({climate.height:g} m).{more}"
-    return _drawn(
-        lambda axes: rose_picture.draw(rose, axes, low=low, high=high), caption, polar=True, height=115, share=0.55
-    )
+    if climate is not None:
+        directions = 2 * np.pi * np.arange(question.directions) / question.directions
+        rose = wind_rose(climate, directions, _ROSE, wet=True)
+        pictures.append(lambda axes: rose_picture.draw(rose, axes, low=low, high=high))
+        hatched = "; hatched: the middle of that range" if low is not None else ""
+        captions.append(
+            f"{'Right: h' if ranged else 'H'}ours a year with rain by direction and speed of the wind, as measured at "
+            f"{climate.height:g} m{hatched}."
+        )
+    canvas = Canvas()
 
+    def fill() -> None:
+        grid = canvas.subplots(1, len(pictures), subplot_kw={"projection": "polar"}, squeeze=False)
+        for picture, axes in zip(pictures, grid.flat, strict=True):
+            picture(axes)
 
-def _polar(answer: BridgeAnswer, stay: StayAnswer, mode: ModeAnswer) -> Figure:
-    question, limits = answer.bridge.question, answer.bridge.limits
-    caption = (
-        f"Stay {words.named(stay)}, mode {mode.number}: range of wind speed (radius, m/s) over the direction from which the "
-        f"wind comes, in those samples that have one (at most {words.share(float(mode.share.max()))})."
-    )
-    return _drawn(
-        lambda axes: range_polar.draw(mode, axes, limits.observed_speeds, question.speeds[1]),
-        caption,
-        polar=True,
-        height=105,
-        share=0.55,
-    )
+    beside = len(pictures) > 1
+    svg = _svg(canvas, fill, "double" if beside else "single", 102)
+    return Figure(svg, " ".join(captions), 1.0 if beside else 0.5)
 
 
 def _amplitudes(answer: BridgeAnswer, stays: list[StayAnswer]) -> Figure:
@@ -117,7 +128,7 @@ def _amplitudes(answer: BridgeAnswer, stays: list[StayAnswer]) -> Figure:
 def _damper_curve(stay: StayAnswer) -> DamperCurve | None:
     """Of the stay's first damper; None where it cannot be computed."""
     cable, damper = stay.cable, stay.cable.dampers[0]
-    modes = [mode.number for mode in stay.modes][:_CURVES]
+    modes = [mode.number for mode in stay.modes][:_MODES]
     best = optimum_coefficient(cable, 1, damper.position, damper.support_stiffness)
     ends = sorted((best, damper.coefficient))
     over = np.geomspace(ends[0] / 20, ends[1] * 10, 60)
@@ -137,7 +148,9 @@ def _dampers(curves: list[tuple[StayAnswer, DamperCurve | None]]) -> Figure:
         for line in axes.lines:
             if str(line.get_label()).startswith("chosen"):
                 line.set_label("the damper there is")
-        axes.set_title(f"stay {words.for_figure(stay.cable.name)}, damper at {curve.position:.3g} m", loc="left")
+        axes.set_title(
+            f"stay {words.for_figure(stay.cable.name)}, damper at {curve.position:.3g} m", loc="left"
+        )
 
     caption = (
         "Damping that the first damper of a stay adds, over its coefficient. Dashed: what the mode that decides needs beyond "
@@ -164,32 +177,16 @@ def _panels(draw: Callable[[int, Axes], None], count: int, caption: str) -> Figu
                 axes.get_legend().remove()
             if k + 2 < count:
                 axes.set_xlabel("")
-        canvas.legend(labelled.values(), labelled.keys(), loc="outside lower center", ncols=3)
+        canvas.legend(
+            labelled.values(), labelled.keys(), loc="outside lower center", ncols=3 if count > 1 else 2
+        )
 
     double = count > 1
-    svg = _svg(canvas, fill, "double" if double else "single", (16.0 if double else 22.0) + 48.0 * rows)
-    return Figure(svg, caption, 1.0 if double else 0.6)
+    svg = _svg(canvas, fill, "double" if double else "single", (16.0 if double else 32.0) + 38.0 * rows)
+    return Figure(svg, caption, 1.0 if double else 0.5)
 
 
-def _drawn(
-    draw: Callable[[Axes], object],
-    caption: str,
-    *,
-    width: str = "single",
-    height: float = 70.0,
-    polar: bool = False,
-    share: float = 1.0,
-) -> Figure:
-    canvas = Canvas()
-
-    def fill() -> None:
-        settings = {"projection": "polar"} if polar else {}
-        draw(canvas.subplots(subplot_kw=settings))
-
-    return Figure(_svg(canvas, fill, width, height), caption, share)
-
-
-def _svg(canvas: Canvas, fill: Callable[[], None], width: str, height: float) -> str:
+def _svg(canvas: Canvas, fill: Callable[[], object], width: str, height: float) -> str:
     """The figure as SVG text; letters that the font lacks stand as boxes."""
     out = StringIO()
     with style.journal(canvas, width=width, height=height), warnings.catch_warnings():

@@ -103,9 +103,16 @@ QUANTITIES: tuple[Quantity, ...] = (
     Quantity(_DAMPING, "damping without dampers", "%", lambda s, m: 100 * m.damping_own),
     Quantity(_DAMPING, "damping there, with dampers", "%", lambda s, m: 100 * m.damping_total),
     Quantity(
-        _DAMPING, "damping needed, observed speeds", "%", lambda s, m: scaled(m.damping_needed_observed, 100), 2, True
+        _DAMPING,
+        "damping needed, observed speeds",
+        "%",
+        lambda s, m: scaled(m.damping_needed_observed, 100),
+        2,
+        True,
     ),
-    Quantity(_DAMPING, "damping needed, all speeds", "%", lambda s, m: scaled(m.damping_needed, 100), 2, True),
+    Quantity(
+        _DAMPING, "damping needed, all speeds", "%", lambda s, m: scaled(m.damping_needed, 100), 2, True
+    ),
     Quantity(_DAMPING, "damping by the PTI rule", "%", lambda s, m: 100 * m.rule_damping),
     Quantity(_DAMPING, "margin", "", lambda s, m: m.margin, said=words.margin),
     Quantity(_RANGE, "range begins", "m/s", lambda s, m: m.range_low, 2, True),
@@ -116,15 +123,15 @@ QUANTITIES: tuple[Quantity, ...] = (
     Quantity(_SIZE, "amplitude, peak to peak", "m", lambda s, m: scaled(m.amplitude, 2), 2, True),
     Quantity(_SIZE, "amplitude in diameters", "D", lambda s, m: _times_diameter(m.amplitude, s), 2, True),
     Quantity(_SIZE, "amplitude without dampers", "m", lambda s, m: m.amplitude_undamped, 2, True),
-    Quantity(_SIZE, "samples that lose their rivulet, at most", "%", lambda s, m: _most_lost(m), said=_percent),
+    Quantity(
+        _SIZE, "samples that lose their rivulet, at most", "%", lambda s, m: _most_lost(m), said=_percent
+    ),
     Quantity(_SIZE, "build-up time", "s", lambda s, m: m.build_up, 2, True),
     Quantity(_SIZE, "uplift of mid-span", "mm", lambda s, m: scaled(m.uplift, 1e3), 2, True),
     Quantity(_DAMPER, "damper stroke", "mm", lambda s, m: scaled(m.stroke, 1e3), 2, True),
     Quantity(_DAMPER, "damper force", "kN", lambda s, m: scaled(m.force, 1e-3), 2, True),
     Quantity(_YEAR, "hours in the range, with rain", "h a year", lambda s, m: m.hours, 2, True),
-    Quantity(
-        _YEAR, "hours with rain at observed speeds", "h a year", lambda s, m: m.hours_observed, 2, True
-    ),
+    Quantity(_YEAR, "hours with rain at observed speeds", "h a year", lambda s, m: m.hours_observed, 2, True),
     Quantity(_YEAR, "hours in the range, dry", "h a year", lambda s, m: m.hours_dry, 2, True),
     Quantity(_OTHER, "dry galloping from", "m/s", lambda s, m: m.galloping_speed),
     Quantity(_OTHER, "vortex shedding at", "m/s", lambda s, m: m.vortex_speed),

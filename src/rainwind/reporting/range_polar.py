@@ -32,7 +32,9 @@ def draw(mode: ModeAnswer, axes: Axes, observed: tuple[float, float], highest: f
     round_ = np.linspace(0, 2 * np.pi, 181)
     for k, speed in enumerate(observed):
         label = f"observed: {observed[0]:g} and {observed[1]:g} m/s" if k == 0 else None
-        axes.plot(round_, np.full_like(round_, speed), color=style.VERMILION, linestyle=style.DASHED, label=label)
+        axes.plot(
+            round_, np.full_like(round_, speed), color=style.VERMILION, linestyle=style.DASHED, label=label
+        )
     axes.set_ylim(0, highest)
     axes.set_xticks(np.arange(8) * np.pi / 4, _NAMES)
     axes.tick_params(axis="x", pad=0.0)
@@ -49,6 +51,7 @@ def _free(mode: ModeAnswer) -> float:
     """Degrees half way between two names where fewest samples have a range."""
     angles = np.arange(8) * 45.0 + 22.5
     shares = [
-        float(mode.share[np.argmin(np.abs(np.angle(np.exp(1j * (mode.directions - a)))))]) for a in np.radians(angles)
+        float(mode.share[np.argmin(np.abs(np.angle(np.exp(1j * (mode.directions - a)))))])
+        for a in np.radians(angles)
     ]
     return float(angles[int(np.argmin(shares))])

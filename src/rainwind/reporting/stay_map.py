@@ -18,6 +18,7 @@ LEVELS: tuple[tuple[float, str, object, float, str], ...] = (
     (float("inf"), "#00805C", "-", 0.8, "above 2, or no damping needed"),
 )
 """Up to which margin: colour, dashes and width, so that grey print tells them apart too."""
+_LABELS = 45  # places that have one, at most twice as many
 _FAILED = ("#767676", style.DOTTED, 1.2, "not computed")
 
 
@@ -55,21 +56,34 @@ def _elevation(answer: BridgeAnswer, axes: Axes) -> None:
         color, dashes, width, _ = _look(stay)
         axes.plot([x, x + across], [z, z + up], color=color, linestyle=dashes, linewidth=width, zorder=3)
         axes.plot([x], [z], "o", color=color, markersize=2.5, zorder=4)
-        axes.annotate(
-            f"{words.for_figure(cable.name, 12)}: {_said(stay)}",
-            (x, z),
-            xytext=(0, -4),
-            textcoords="offset points",
-            rotation=90,
-            ha="center",
-            va="top",
-            fontsize=6.5,
-        )
-    axes.axhline(min(stay.cable.base_height for stay in answer.stays), color="#9A9A9A", linewidth=0.8, zorder=1)
+    ground = min(stay.cable.base_height for stay in answer.stays)
+    axes.axhline(ground, color="#9A9A9A", linewidth=0.8, zorder=1)
+    _label(answer, axes)
     axes.set_aspect("equal")
-    axes.margins(0.06, 0.32)
-    axes.set_xlabel("along the bridge (m)")
+    axes.margins(0.04, 0.04)
+    for side in ("top", "right", "bottom"):
+        axes.spines[side].set_visible(False)
+    axes.set_xticks([])
+    axes.tick_params(axis="y", right=False)
     axes.set_ylabel("height (m)")
+
+
+def _label(answer: BridgeAnswer, axes: Axes) -> None:
+    """Name and margin below each lower anchorage; stays at one place share a line, of many only some have one."""
+    places: dict[float, list[StayAnswer]] = {}
+    for stay in answer.stays:
+        places.setdefault(round(stay.cable.chainage or 0.0), []).append(stay)
+    step = 1 + len(places) // _LABELS
+    for place in sorted(places)[::step]:
+        there = places[place]
+        said = ", ".join(f"{words.for_figure(one.cable.name, 12)}: {_said(one)}" for one in there[:2])
+        if len(there) > 2:
+            said += f" and {len(there) - 2} more"
+        height = min(one.cable.base_height for one in there)
+        axes.annotate(
+            said, (place, height), xytext=(0, -4), textcoords="offset points", rotation=90, ha="center", va="top",
+            fontsize=6.5,
+        )  # fmt: skip
 
 
 def _leans_back(answer: BridgeAnswer, first: float) -> bool:
@@ -122,4 +136,3 @@ def _look(stay: StayAnswer) -> tuple[str, object, float, str]:
     if stay.failure or isnan(stay.margin):
         return _FAILED
     return next((*one,) for limit, *one in LEVELS if stay.margin < limit or isinf(limit))  # type: ignore[return-value]
-

@@ -19,8 +19,9 @@ def stay_pages(answer: BridgeAnswer) -> Iterator[Section]:
     """A chapter with a part for each stay."""
     yield Section("Stay by stay", (Words(_BANDS, "small"),), new_page=True)
     for number, stay in enumerate(answer.stays):
+        begins = number > 0 and not stay.failure
         yield Section(
-            f"Stay {words.shortened(stay.cable.name)}", tuple(_stay(stay)), level=2, new_page=number > 0
+            f"Stay {words.shortened(stay.cable.name)}", tuple(_stay(stay)), level=2, new_page=begins
         )
 
 
@@ -58,7 +59,9 @@ def _cable(cable: Cable) -> str:
 
 def _damper(damper: Damper) -> str:
     support = (
-        "" if isinf(damper.support_stiffness) else f" on a support of {damper.support_stiffness / 1e6:.3g} MN/m"
+        ""
+        if isinf(damper.support_stiffness)
+        else f" on a support of {damper.support_stiffness / 1e6:.3g} MN/m"
     )
     return (
         f"Damper of {damper.coefficient / 1e3:.3g} kNs/m, {damper.position:.3g} m from the {damper.end} anchorage"

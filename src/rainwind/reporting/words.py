@@ -8,7 +8,7 @@ from rainwind.engineering.answers import Band, BridgeAnswer, ModeAnswer, StayAns
 __all__ = [
     "VERDICTS", "VerdictWords", "amplitude_mode", "band", "band_lines", "band_parts", "compass", "for_figure", "in_percent", "joined",
     "margin", "named", "number", "range_mode", "share", "shortened", "speed_range", "stays", "summary_row",
-    "summary_rows",
+    "summary_rows", "unbroken",
 ]  # fmt: skip
 
 NONE = "none"
@@ -129,6 +129,11 @@ def for_figure(text: str, letters: int = 24) -> str:
     """A text of a user, shortened, that matplotlib reads neither as a formula nor as a control character."""
     seen = "".join(letter for letter in text if letter.isprintable() or letter.isspace())
     return shortened(seen, letters).replace("$", r"\$")
+
+
+def unbroken(text: str) -> str:
+    """The text with per cent and metres per second kept with their numbers at the end of a line."""
+    return text.replace(" %", "\u00a0%").replace(" m/s", "\u00a0m/\u2060s").replace("(m/s)", "(m/\u2060s)")
 
 
 def stays(count: int) -> str:

@@ -100,7 +100,17 @@ def _modes(sheet: Worksheet, answer: BridgeAnswer) -> None:
 
 def _checks(sheet: Worksheet, answer: BridgeAnswer) -> None:
     rows = [
-        [stay.cable.name, one.rule, one.what, one.value, one.sense, one.limit, one.unit, _met(one.passes), one.source]
+        [
+            stay.cable.name,
+            one.rule,
+            one.what,
+            one.value,
+            one.sense,
+            one.limit,
+            one.unit,
+            _met(one.passes),
+            one.source,
+        ]
         for stay in answer.stays
         for one in stay.checks
     ]
@@ -146,7 +156,9 @@ def _input(sheet: Worksheet, answer: BridgeAnswer) -> None:
     _fill(sheet, ("The case file as it was read",), [[line] for line in answer.case_text.splitlines()])
 
 
-def _fill(sheet: Worksheet, header: Sequence[str], rows: Iterable[Sequence[Value]], frozen: str = "B2") -> None:
+def _fill(
+    sheet: Worksheet, header: Sequence[str], rows: Iterable[Sequence[Value]], frozen: str = "B2"
+) -> None:
     for column, text in enumerate(header, start=1):
         _put(sheet, 1, column, text)
         cell = sheet.cell(1, column)
