@@ -1,7 +1,7 @@
 """What an assessment says: frozen records of a mode, a stay and a bridge; every model value is a band."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -163,4 +163,3 @@ class BridgeAnswer:
     case_text: str = ""
     interrupted: bool = False
     climate_notes: tuple[str, ...] = ()
-    climate_hours: Mapping[str, float] = field(default_factory=dict)
