@@ -1,4 +1,4 @@
-"""A bridge of three stays with an answer made by hand: one with dampers and hours, one that is safe, one that failed."""
+"""A bridge of three stays with an answer made by hand: one with dampers and hours, one safe, one failed."""
 
 from dataclasses import replace
 from math import inf, nan, pi

@@ -14,12 +14,12 @@ LIMITS = (
     "The coefficient sets are reconstructed from one paper. The band scatters their slopes by our judgement. No band "
     "covers a curve of another shape.",
     "The rivulet of a real stay is known to nobody. The rule keeps the paper's rivulet in proportion to the diameter.",
-    "At low damping the model has no upper limit of wind speed. The report prints its range and that in which rivulets "
-    "have been seen side by side.",
+    "At low damping the model has no upper limit of wind speed. The report prints its range and that in which "
+    "rivulets have been seen side by side.",
     "The damping needed is that of the linear limit. A vibration that is already there can live at a little more "
     "damping.",
-    "One section stands for the whole stay, with one rivulet angle over its length. A sliced stay's antinode moved 13 to "
-    "38 % more than the section in two cases that were computed.",
+    "One section stands for the whole stay, with one rivulet angle over its length. A sliced stay's antinode moved 13 "
+    "to 38 % more than the section in two cases that were computed.",
     "The forces are quasi-steady: no vortices, no axial flow. Field vibrations sit at reduced wind speeds U/(f d) of 19 "
     "to 45, where that is doubtful; the paper's cable at 80 to 148.",
 )

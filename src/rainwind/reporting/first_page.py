@@ -30,7 +30,7 @@ def _blocks(answer: BridgeAnswer) -> Iterator[Block]:
         )
     yield Words(_counts(answer), "strong")
     yield _table(answer)
-    yield Words(_legend(answer), "small")
+    yield Words(_legend(), "small")
     yield Words("What it means", "strong")
     yield Points(key_sentences(answer))
     yield Words("What to do next", "strong")
@@ -70,6 +70,7 @@ def _counts(answer: BridgeAnswer) -> str:
     return f"{words.stays(len(found))}: " + ", ".join(said)
 
 
+_FAR = 0.1  # x_d/L: beyond it no damper is called near an anchorage
 _WIDTHS = (0.1, 0.135, 0.09, 0.09, 0.14, 0.14, 0.13, 0.175)
 
 
@@ -82,12 +83,13 @@ def _table(answer: BridgeAnswer) -> Table:
     return Table(tuple(text.capitalize() for text in header), cells, widths=_WIDTHS, left=(0, 1))
 
 
-def _legend(answer: BridgeAnswer) -> str:
+def _legend() -> str:
     meanings = "; ".join(f"{one.symbol} {one.word}: {one.meaning}" for one in words.VERDICTS.values())
     return (
-        f"{meanings}. Margin: damping there over damping needed at the high end of its band, at observed speeds, in the "
-        "mode that decides; below 1 there is too little. Bands: middle (low to high end). Amplitude: half peak to peak, of the largest mode. Open: the "
-        "range reaches the highest speed looked at. Per cents below a band are shares of the samples."
+        f"{meanings}. Margin: damping there over damping needed at the high end of its band, at observed speeds, in "
+        "the mode that decides; below 1 there is too little. Bands: middle (low to high end). Amplitude: half peak to "
+        "peak, of the largest mode. Open: the range reaches the highest speed looked at. Per cents below a band are "
+        "shares of the samples."
     )
 
 
@@ -119,7 +121,9 @@ def _sentences(answer: BridgeAnswer) -> Iterator[str]:
             f"Rain-wind vibration is possible in {len(hit)} of {words.stays(len(answer.stays))}; it begins first on "
             f"stay {words.named(stay)}, mode {one.number}, at {words.band(one.range_low, unit='m/s')}."
         )
-        yield _largest(answer, done)
+        pairs = [(stay, mode) for stay in done if (mode := words.amplitude_mode(stay)) is not None]
+        if pairs:
+            yield _largest(answer, pairs)
     else:
         yield "The model finds no rain-wind vibration at any wind speed looked at."
     unlimited = [mode.unlimited for _, mode in hit]
@@ -129,7 +133,8 @@ def _sentences(answer: BridgeAnswer) -> Iterator[str]:
             "speed looked at; rivulets have not been observed above "
             f"{answer.bridge.limits.observed_speeds[1]:g} m/s."
         )
-    yield _enough(done)
+    if len(done) > 1:
+        yield _enough(done)
 
 
 def _enough(done: list[StayAnswer]) -> str:
@@ -148,14 +153,13 @@ def _enough(done: list[StayAnswer]) -> str:
     )
 
 
-def _largest(answer: BridgeAnswer, done: list[StayAnswer]) -> str:
-    pairs = [(stay, mode) for stay in done if (mode := words.amplitude_mode(stay)) is not None]
+def _largest(answer: BridgeAnswer, pairs: list[tuple[StayAnswer, ModeAnswer]]) -> str:
     stay, mode = max(pairs, key=lambda pair: pair[1].amplitude.high)
     limit = answer.bridge.limits.amplitude_diameters
     in_diameters = mode.amplitude.high / stay.cable.diameter
     return (
-        f"The largest amplitude is {words.band(mode.amplitude, unit='m')}, half peak to peak, stay {words.named(stay)}, "
-        f"mode {mode.number}: {words.number(in_diameters, 2)} diameters at the high end, "
+        f"The largest amplitude is {words.band(mode.amplitude, unit='m')}, half peak to peak, stay "
+        f"{words.named(stay)}, mode {mode.number}: {words.number(in_diameters, 2)} diameters at the high end, "
         f"{'above' if in_diameters > limit else 'within'} the accepted {limit:g}."
     )
 
@@ -169,17 +173,15 @@ def _steps(answer: BridgeAnswer) -> Iterator[str]:
     short = _by_margin(answer, "insufficient")
     if short:
         yield (
-            f"Add damping to {_names(short, answer)}. At the high end of the band {_needs(short[0])}. A damper near an anchorage "
-            "adds at most about half its distance over the length: for that x_d/L must be at least "
-            f"{words.number(_least_position(short[0]), 2)}, twice the ratio it adds. Each stay's page says where it must stand."
+            f"Add damping to {_names(short, answer)}. {_needs(short[0])} Each stay's page says what a damper would have "
+            "to be."
         )
     doubtful = _by_margin(answer, "doubtful")
     if doubtful:
         yield (
-            f"Decide about {_names(doubtful, answer)}: measure the damping of the worst modes first, since every margin is "
-            f"proportional to it. To be safe at the high end of the band {_needs(doubtful[0])}; a damper "
-            f"near an anchorage would need x_d/L of {words.number(_least_position(doubtful[0]), 2)} or more, twice the ratio it adds. Each "
-            "stay's page says what would do at the middle and at the high end."
+            f"Decide about {_names(doubtful, answer)}: measure the damping of the worst modes first, since every margin "
+            f"is proportional to it. {_needs(doubtful[0])} Each stay's page says what would do at the middle and at the "
+            "high end."
         )
     if any(stay.cable.assumed for stay in answer.stays) or answer.bridge.assumptions:
         yield "Replace what was assumed by what is measured or drawn; the assumptions stand at the end of this report."
@@ -199,25 +201,25 @@ def _by_margin(answer: BridgeAnswer, verdict: str) -> list[StayAnswer]:
 
 
 def _needs(stay: StayAnswer) -> str:
-    """ "stay S1 needs 0.59 % of critical in mode 1, where there is 0.48 %"."""
+    """What the stay lacks at the high end of the band, or by the rule, and where a damper would have to stand."""
     mode = stay.worst
     assert mode is not None
-    target = _target(mode)
+    target, there = mode.damping_needed_observed.high, mode.damping_total
+    if there >= target:
+        mode = max(stay.modes, key=lambda one: one.rule_damping - one.damping_total)
+        return (
+            f"In stay {words.named(stay)} the model finds enough, but the PTI rule asks for "
+            f"{words.number(100 * mode.rule_damping)} % of critical in mode {mode.number}, where there is "
+            f"{words.number(100 * mode.damping_total)} %."
+        )
+    place = 2.0 * (target - mode.damping_own)
+    far = ", no longer near: think of the surface and of cross-ties too" if place > _FAR else ""
     return (
-        f"stay {words.named(stay)} needs {words.number(100 * target)} % of critical in mode {mode.number}, where there is "
-        f"{words.number(100 * mode.damping_total)} %"
+        f"To be safe at the high end of the band stay {words.named(stay)}, of the least margin, needs "
+        f"{words.number(100 * target)} % of critical in mode {mode.number}, where there is "
+        f"{words.number(100 * there)} %. A damper near an anchorage adds at most about half its distance x_d over the "
+        f"length L, so x_d/L would have to be at least {words.number(place, 2)}{far}."
     )
-
-
-def _least_position(stay: StayAnswer) -> float:
-    """x_d/L of a damper that adds, alone, what the stay itself has not."""
-    mode = stay.worst
-    assert mode is not None
-    return 2.0 * max(_target(mode) - mode.damping_own, 0.0)
-
-
-def _target(mode: ModeAnswer) -> float:
-    return mode.damping_needed_observed.high
 
 
 def _names(stays: list[StayAnswer], answer: BridgeAnswer) -> str:

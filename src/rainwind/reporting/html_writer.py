@@ -4,6 +4,7 @@ import re
 from importlib.resources import files
 
 import jinja2
+from markupsafe import Markup
 
 from rainwind.reporting import words
 from rainwind.reporting.content import Figure, Report
@@ -32,9 +33,9 @@ def html(report: Report) -> str:
     return _CONTROL.sub("", text)
 
 
-def _inline(figure: Figure, number: int) -> jinja2.utils.markupsafe.Markup:
+def _inline(figure: Figure, number: int) -> Markup:
     """The SVG element alone, its names made different from those of the other figures."""
     svg = figure.svg[figure.svg.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
     svg = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>f{number}-", svg)
-    return jinja2.utils.markupsafe.Markup(svg)
+    return Markup(svg)

@@ -6,6 +6,7 @@ from dataclasses import replace
 from io import StringIO
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Canvas
 
@@ -38,7 +39,8 @@ def _figures(answer: BridgeAnswer, climate: Climate | None) -> Iterator[Figure]:
     stays = _by_margin(answer)
     if not stays:
         return
-    yield _map(answer)
+    if len(answer.stays) > 1:
+        yield _map(answer)
     ranged = _worst_range(answer)
     if climate is not None or ranged is not None:
         yield _round(answer, climate, ranged)
@@ -62,12 +64,13 @@ def _worst_range(answer: BridgeAnswer) -> tuple[StayAnswer, ModeAnswer] | None:
 
 
 def _map(answer: BridgeAnswer) -> Figure:
+    height = 84.0 if stay_map.has_chainages(answer) else 60.0
     if stay_map.has_chainages(answer):
         caption = "The stays in elevation, to scale, each from its lower anchorage, with its margin."
     else:
         caption = "Margin of each stay; below 1, dashed, there is less damping than the high end of the band asks for."
     canvas = Canvas()
-    svg = _svg(canvas, lambda: stay_map.draw(answer, canvas.subplots()), "double", 84)
+    svg = _svg(canvas, lambda: stay_map.draw(answer, canvas.subplots()), "double", height)
     return Figure(svg, caption)
 
 
@@ -83,8 +86,8 @@ def _round(
         stay, mode = ranged
         pictures.append(lambda axes: range_polar.draw(mode, axes, limits.observed_speeds, question.speeds[1]))
         captions.append(
-            f"Stay {words.named(stay)}, mode {mode.number}: range of wind speed (radius, m/s) over the direction from which "
-            f"the wind comes, in those samples that have one (at most {words.share(float(mode.share.max()))})."
+            f"Stay {words.named(stay)}, mode {mode.number}: range of wind speed (radius, m/s) over the direction "
+            f"from which the wind comes, in those samples that have one (at most {words.share(float(mode.share.max()))})."
         )
         low, high = mode.speed_low[:, 1], mode.speed_high[:, 1]
     if climate is not None:
@@ -119,8 +122,8 @@ def _amplitudes(answer: BridgeAnswer, stays: list[StayAnswer]) -> Figure:
         axes.set_title(f"stay {words.for_figure(stay.cable.name)}, mode {mode.number}", loc="left")
 
     caption = (
-        "Amplitude at the antinode, half peak to peak, over the wind speed, in the direction that needs the most damping"
-        f"{'; the stays with the least margins' if len(stays) < len(answer.stays) else ''}."
+        "Amplitude at the antinode, half peak to peak, over the wind speed, in the direction that needs the most "
+        f"damping{'; the stays with the least margins' if len(stays) < len(answer.stays) else ''}."
     )
     return _panels(draw, len(stays), caption)
 
@@ -141,9 +144,11 @@ def _damper_curve(stay: StayAnswer) -> DamperCurve | None:
 def _dampers(curves: list[tuple[StayAnswer, DamperCurve | None]]) -> Figure:
     def draw(k: int, axes: Axes) -> None:
         stay, curve = curves[k]
-        assert curve is not None and stay.worst is not None
-        wanted = stay.worst.damping_needed_observed.middle - stay.worst.damping_own
-        targets = {stay.worst.number: wanted} if wanted > 0 else {}
+        worst = stay.worst
+        assert curve is not None
+        assert worst is not None
+        wanted = worst.damping_needed_observed.middle - worst.damping_own
+        targets = {worst.number: wanted} if wanted > 0 else {}
         damper_curves.draw(curve, axes, chosen=stay.cable.dampers[0].coefficient, targets=targets)
         for line in axes.lines:
             if str(line.get_label()).startswith("chosen"):
@@ -153,8 +158,8 @@ def _dampers(curves: list[tuple[StayAnswer, DamperCurve | None]]) -> Figure:
         )
 
     caption = (
-        "Damping that the first damper of a stay adds, over its coefficient. Dashed: what the mode that decides needs beyond "
-        "the stay's own damping, at the middle of the band."
+        "Damping that the first damper of a stay adds, over its coefficient. Dashed: what the mode that decides needs "
+        "beyond the stay's own damping, at the middle of the band."
     )
     return _panels(draw, len(curves), caption)
 
@@ -165,7 +170,7 @@ def _panels(draw: Callable[[int, Axes], None], count: int, caption: str) -> Figu
 
     def fill() -> None:
         grid = canvas.subplots(rows, 2 if count > 1 else 1, squeeze=False)
-        labelled: dict[str, object] = {}
+        labelled: dict[str, Artist] = {}
         for k, axes in enumerate(grid.flat):
             if k >= count:
                 axes.set_visible(False)

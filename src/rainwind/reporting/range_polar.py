@@ -41,6 +41,9 @@ def draw(mode: ModeAnswer, axes: Axes, observed: tuple[float, float], highest: f
     axes.tick_params(axis="y", labelsize=6.5, labelcolor="#404040")
     axes.set_yticks([speed for speed in (10, 20, 30, 40, 60, 80, 100) if speed <= highest])
     axes.set_rlabel_position(_free(mode))  # type: ignore[attr-defined]
+    for label in axes.get_yticklabels():
+        label.set_bbox({"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.4})
+        label.set_zorder(6)
     axes.grid(color="#A8A8A8", linewidth=0.4)
     axes.set_axisbelow(False)
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.07), ncols=1, borderaxespad=0.0)

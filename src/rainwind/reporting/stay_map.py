@@ -1,6 +1,7 @@
 """The stays of a bridge as a sketch in elevation, coloured by margin; bars where nobody said where they stand."""
 
 from math import cos, isinf, isnan, sin
+from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
@@ -11,13 +12,14 @@ from rainwind.reporting import words
 
 __all__ = ["LEVELS", "draw", "has_chainages"]
 
-LEVELS: tuple[tuple[float, str, object, float, str], ...] = (
+LEVELS: tuple[tuple[float, str, Any, float, str], ...] = (
     (0.5, "#A63A00", "-", 2.4, "margin below 0.5"),
     (1.0, "#E69F00", style.DASHED, 2.0, "0.5 to 1"),
     (2.0, "#0072B2", "-", 1.3, "1 to 2"),
     (float("inf"), "#00805C", "-", 0.8, "above 2, or no damping needed"),
 )
 """Up to which margin: colour, dashes and width, so that grey print tells them apart too."""
+_WIDE, _HIGH = 150.0, 66.0  # mm, of the drawing on a page
 _LABELS = 45  # places that have one, at most twice as many
 _FAILED = ("#767676", style.DOTTED, 1.2, "not computed")
 
@@ -59,13 +61,25 @@ def _elevation(answer: BridgeAnswer, axes: Axes) -> None:
     ground = min(stay.cable.base_height for stay in answer.stays)
     axes.axhline(ground, color="#9A9A9A", linewidth=0.8, zorder=1)
     _label(answer, axes)
-    axes.set_aspect("equal")
-    axes.margins(0.04, 0.04)
+    _frame(axes, ground, max(len(label.get_text()) for label in axes.texts))
     for side in ("top", "right", "bottom"):
         axes.spines[side].set_visible(False)
     axes.set_xticks([])
     axes.tick_params(axis="y", right=False)
     axes.set_ylabel("height (m)")
+
+
+def _frame(axes: Axes, ground: float, letters: int) -> None:
+    """Equal scales, and room below the ground for labels of so many letters."""
+    low, high = axes.dataLim.intervalx
+    top = axes.dataLim.intervaly[1]
+    room = min(1.3 * letters + 2.0, 0.5 * _HIGH)  # mm
+    scale = max((high - low) / _WIDE, (top - ground) / (_HIGH - room))  # m a mm
+    axes.set_aspect("equal")
+    axes.set_xlim(low - 3 * scale, high + 3 * scale)
+    axes.set_ylim(ground - room * scale, top + 2 * scale)
+    axes.spines["left"].set_bounds(ground, top)
+    axes.set_yticks([tick for tick in axes.get_yticks() if ground <= tick <= top])
 
 
 def _label(answer: BridgeAnswer, axes: Axes) -> None:
@@ -132,7 +146,7 @@ def _finite(stay: StayAnswer) -> float | None:
     return None if isnan(stay.margin) or isinf(stay.margin) else stay.margin
 
 
-def _look(stay: StayAnswer) -> tuple[str, object, float, str]:
+def _look(stay: StayAnswer) -> tuple[str, Any, float, str]:
     if stay.failure or isnan(stay.margin):
         return _FAILED
     return next((*one,) for limit, *one in LEVELS if stay.margin < limit or isinf(limit))  # type: ignore[return-value]

@@ -1,7 +1,7 @@
 """The pages of each stay: its sentences, the numbers of every mode side by side, the code checks."""
 
 from collections.abc import Iterator, Sequence
-from itertools import groupby
+from itertools import groupby, pairwise
 from math import degrees, isinf
 
 from rainwind.engineering.answers import BridgeAnswer, CodeCheck, ModeAnswer, StayAnswer
@@ -26,8 +26,8 @@ def stay_pages(answer: BridgeAnswer) -> Iterator[Section]:
 
 
 _BANDS = (
-    "A band stands as its middle (5 to 95 %), and, where the thing does not exist in all samples, with the share of those "
-    "in which it does. Amplitudes are those of the antinode."
+    "A band stands as its middle (5 to 95 %), and, where the thing does not exist in all samples, with the share "
+    "of those in which it does. Amplitudes are those of the antinode."
 )
 
 
@@ -85,9 +85,10 @@ def _modes(stay: StayAnswer, modes: Sequence[ModeAnswer]) -> Table:
 
 
 def _cycles(mode: ModeAnswer) -> Table:
-    assert mode.cycles is not None and mode.cycle_edges is not None
+    assert mode.cycles is not None
+    assert mode.cycle_edges is not None
     edges = mode.cycle_edges
-    header = ("Amplitude (m)", *(f"{a:.3g} to {b:.3g}" for a, b in zip(edges[:-1], edges[1:], strict=True)))
+    header = ("Amplitude (m)", *(f"{a:.3g} to {b:.3g}" for a, b in pairwise(edges)))
     row = ("Cycles a year", *(words.number(float(count), 2) for count in mode.cycles))
     return Table(
         header,

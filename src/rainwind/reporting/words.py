@@ -6,9 +6,9 @@ from math import floor, isinf, isnan, log10, pi
 from rainwind.engineering.answers import Band, BridgeAnswer, ModeAnswer, StayAnswer, Verdict
 
 __all__ = [
-    "VERDICTS", "VerdictWords", "amplitude_mode", "band", "band_lines", "band_parts", "compass", "for_figure", "in_percent", "joined",
-    "margin", "named", "number", "range_mode", "share", "shortened", "speed_range", "stays", "summary_row",
-    "summary_rows", "unbroken",
+    "VERDICTS", "VerdictWords", "amplitude_mode", "band", "band_lines", "band_parts", "compass",
+    "for_figure", "in_percent", "joined", "margin", "named", "number", "range_mode", "share",
+    "shortened", "speed_range", "stays", "summary_row", "summary_rows", "unbroken",
 ]  # fmt: skip
 
 NONE = "none"

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Sequence
 from io import BytesIO
 from math import degrees, isinf, isnan, nan
+from typing import Any
 
 import numpy as np
 from openpyxl import Workbook
@@ -144,11 +145,11 @@ def _directions(sheet: Worksheet, answer: BridgeAnswer) -> None:
 
 
 def _assumptions(sheet: Worksheet, answer: BridgeAnswer) -> None:
-    rows: list[list[Value]] = [["assumed", of, said] for said, of in assumptions(answer)]
-    rows += [["limit of the model", "all", said] for said in LIMITS]
-    rows += [["wind and rain records", "the bridge", said] for said in answer.climate_notes]
-    rows += [["source of the input", "the bridge", said] for said in answer.bridge.sources]
-    rows += [["source of the method", key, one.sentence] for key, one in SOURCES.items()]
+    rows: list[Sequence[Value]] = [("assumed", of, said) for said, of in assumptions(answer)]
+    rows += [("limit of the model", "all", said) for said in LIMITS]
+    rows += [("wind and rain records", "the bridge", said) for said in answer.climate_notes]
+    rows += [("source of the input", "the bridge", said) for said in answer.bridge.sources]
+    rows += [("source of the method", key, one.sentence) for key, one in SOURCES.items()]
     _fill(sheet, ("Kind", "Of", "Sentence"), rows)
 
 
@@ -182,13 +183,13 @@ def _put(sheet: Worksheet, row: int, column: int, value: Value) -> None:
     """A number where it is finite; nan an empty cell; a text is never a formula."""
     if value is None or (isinstance(value, float) and isnan(value)):
         return
-    cell = sheet.cell(row, column)
+    cell: Any = sheet.cell(row, column)  # a plain cell: nothing is merged
     if isinstance(value, float) and isinf(value):
         value = words.NOT_NEEDED if sheet.title == "Summary" else "no limit"
     if isinstance(value, str):
         cell.value = ILLEGAL_CHARACTERS_RE.sub("", value)[:_LONGEST]
         cell.data_type = "s"
-        cell.quotePrefix = True  # type: ignore[misc]
+        cell.quotePrefix = True
         return
     cell.value = value
     if isinstance(value, float):
