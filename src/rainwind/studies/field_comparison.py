@@ -1,7 +1,7 @@
 """The assessment of each stay and rig on which rain-wind vibrations were observed.
 
 Every case is assessed with its own observed speeds as those that decide on direction, amplitude and damping. One
-coefficient set and 12 samples: a report takes three sets and 16 samples.
+coefficient set with 16 samples: a report takes three sets, which move the bands less than the samples do.
 """
 
 from dataclasses import dataclass
@@ -17,8 +17,8 @@ from rainwind.engineering.observed import Observed, observed_cases
 __all__ = ["TOP", "Comparison", "Result", "compute"]
 
 TOP = 40.0  # m/s, the highest speed looked at
-_DIRECTIONS, _SAMPLES, _SETS = 24, 12, ("reconstructed",)
-_HALF = 0.5
+_DIRECTIONS, _SAMPLES, _SETS = 24, 16, ("reconstructed",)
+_NEARLY_ALL = 0.9
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,11 +50,17 @@ class Comparison:
             return np.nan
         return float(yaw(mode.worst_direction, self.case.cable.heading))
 
-    def yaws(self, mode: ModeAnswer) -> tuple[float, float]:
-        """Between which half the samples have begun to vibrate at the highest speed observed, rad; nan if nowhere."""
-        gamma = np.asarray(yaw(mode.directions, self.case.cable.heading))
-        begun = (mode.share >= _HALF) & (mode.speed_low[:, 1] <= self.case.speeds[1])
-        return (float(gamma[begun].min()), float(gamma[begun].max())) if begun.any() else (np.nan, np.nan)
+    def yaws(self, mode: ModeAnswer) -> tuple[tuple[float, float], ...]:
+        """Ranges of yaw, rad, in which half the samples have begun to vibrate at the highest speed observed.
+
+        From the bands: nearly all samples vibrate at some speed, and the middle one's begins below that.
+        """
+        gamma, first = np.unique(
+            np.round(yaw(mode.directions, self.case.cable.heading), 9), return_index=True
+        )
+        begun = (mode.share[first] >= _NEARLY_ALL) & (mode.speed_low[first, 1] <= self.case.speeds[1])
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], begun.astype(int), [0]])))
+        return tuple((float(gamma[i]), float(gamma[j - 1])) for i, j in edges.reshape(-1, 2))
 
     def onset_at_seen_yaw(self, mode: ModeAnswer) -> tuple[float, float, float] | None:
         """The band of the onset, m/s, in the direction nearest to the middle of the yaws observed."""

@@ -47,7 +47,7 @@ def _directions_row(one: Comparison, mode: ModeAnswer) -> tuple[str, ...]:
     at = one.onset_at_seen_yaw(mode)
     tested = "" if case.tested_yaw is None else f"tested {_span(_degrees(case.tested_yaw), 0)}"
     return (
-        *_head(one, mode), "–" if np.isnan(worst) else f"{degrees(worst):.0f}", _span(_degrees(one.yaws(mode)), 0),
+        *_head(one, mode), "–" if np.isnan(worst) else f"{degrees(worst):.0f}", _ranges(one.yaws(mode)),
         _span(_degrees(case.yaw), 0) if case.yaw else tested or "–",
         "–" if at is None else " / ".join(f"{value:.1f}" for value in at),
     )  # fmt: skip
@@ -125,6 +125,10 @@ def _span(pair: tuple[float, float] | None, digits: int) -> str:
     if float(low) == 0.0 < float(high) and digits == 1:
         return f"up to {high}"
     return low if low == high else f"{low} to {high}"
+
+
+def _ranges(pairs: tuple[tuple[float, float], ...]) -> str:
+    return ", ".join(_span((degrees(low), degrees(high)), 0) for low, high in pairs) or "–"
 
 
 def _degrees(pair: tuple[float, float] | None) -> tuple[float, float] | None:
