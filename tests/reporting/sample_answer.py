@@ -6,7 +6,7 @@ from math import inf, nan, pi
 import numpy as np
 
 from rainwind.engineering.answers import Band, BridgeAnswer, CodeCheck, ModeAnswer, StayAnswer
-from rainwind.engineering.bridge import Bridge
+from rainwind.engineering.bridge import Bridge, Question
 from rainwind.engineering.cable import Cable, Damper
 
 CASE_TEXT = 'name = "Brücke"\n\n[[stay]]\nname = "S1"  # <b>&\n'
@@ -140,6 +140,7 @@ def sample_answer() -> BridgeAnswer:
     bridge = Bridge(
         "Test Bridge",
         (first, second, third),
+        question=Question(modes=2, directions=12),
         assumptions=("The mass is that of the strands.",),
         sources=("Drawing 12 (read)",),
     )

@@ -36,7 +36,7 @@ class Points:
 class Table:
     """Rows of cells under a header; widths: shares of the page's width, one a column; left: columns that are words.
 
-    group: whether a row with one cell only goes over the whole width, as a heading of those below it.
+    The last cell of a row with fewer cells goes over the rest of the width; a row of one is a heading.
     """
 
     header: tuple[str, ...]

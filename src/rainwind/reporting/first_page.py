@@ -28,6 +28,7 @@ def _blocks(answer: BridgeAnswer) -> Iterator[Block]:
             "reached, the others are missing here.",
             "warning",
         )
+    yield Words(RECONSTRUCTED, "warning")
     yield Words(_counts(answer), "strong")
     yield _table(answer)
     yield Words(_legend(), "small")
@@ -35,7 +36,6 @@ def _blocks(answer: BridgeAnswer) -> Iterator[Block]:
     yield Points(key_sentences(answer))
     yield Words("What to do next", "strong")
     yield Points(next_steps(answer), numbered=True)
-    yield Words(RECONSTRUCTED, "warning")
 
 
 def _asked(answer: BridgeAnswer) -> str:
@@ -71,16 +71,24 @@ def _counts(answer: BridgeAnswer) -> str:
 
 
 _FAR = 0.1  # x_d/L: beyond it no damper is called near an anchorage
-_WIDTHS = (0.1, 0.135, 0.09, 0.09, 0.14, 0.14, 0.13, 0.175)
+_WIDTHS = (0.1, 0.145, 0.095, 0.085, 0.14, 0.14, 0.13, 0.165)
 
 
 def _table(answer: BridgeAnswer) -> Table:
     header, rows = words.summary_rows(answer)
-    cells = tuple(
-        tuple(Cell(text, stay.verdict if i == 1 else "") for i, text in enumerate(row))
-        for stay, row in zip(answer.stays, rows, strict=True)
-    )
+    cells = tuple(_row(stay, row) for stay, row in zip(answer.stays, rows, strict=True))
     return Table(tuple(text.capitalize() for text in header), cells, widths=_WIDTHS, left=(0, 1))
+
+
+def _row(stay: StayAnswer, texts: list[str]) -> tuple[Cell, ...]:
+    """The marked row; one that failed says why over the rest of its width."""
+    if stay.failure:
+        return (
+            Cell(texts[0]),
+            Cell(words.said(stay.verdict), "failed"),
+            Cell(words.shortened(stay.failure, 240)),
+        )
+    return tuple(Cell(text, stay.verdict if i == 1 else "") for i, text in enumerate(texts))
 
 
 def _legend() -> str:
@@ -173,18 +181,18 @@ def _steps(answer: BridgeAnswer) -> Iterator[str]:
     short = _by_margin(answer, "insufficient")
     if short:
         yield (
-            f"Add damping to {_names(short, answer)}. {_needs(short[0])} Each stay's page says what a damper would have "
-            "to be."
+            f"Add damping to {_names(short, answer)}. {_needs(short[0])} Each stay's page says what a damper would "
+            "have to be."
         )
     doubtful = _by_margin(answer, "doubtful")
     if doubtful:
         yield (
-            f"Decide about {_names(doubtful, answer)}: measure the damping of the worst modes first, since every margin "
-            f"is proportional to it. {_needs(doubtful[0])} Each stay's page says what would do at the middle and at the "
-            "high end."
+            f"Decide about {_names(doubtful, answer)}: measure the damping of the worst modes first, since every "
+            f"margin is proportional to it. {_needs(doubtful[0])} Each stay's page says what would do at the middle "
+            "and at the high end."
         )
     if any(stay.cable.assumed for stay in answer.stays) or answer.bridge.assumptions:
-        yield "Replace what was assumed by what is measured or drawn; the assumptions stand at the end of this report."
+        yield "Replace what was assumed by what is measured or drawn; it stands at the end of this report."
     failed = [stay for stay in answer.stays if stay.failure]
     for stay in failed[:3]:
         yield f"Stay {words.named(stay)} could not be computed: {words.shortened(stay.failure, 160)}"

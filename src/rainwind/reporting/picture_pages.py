@@ -82,16 +82,16 @@ def _round(
     pictures: list[Callable[[Axes], object]] = []
     captions: list[str] = []
     low = high = None
+    directions = 2 * np.pi * np.arange(question.directions) / question.directions
     if ranged is not None:
         stay, mode = ranged
         pictures.append(lambda axes: range_polar.draw(mode, axes, limits.observed_speeds, question.speeds[1]))
         captions.append(
             f"Stay {words.named(stay)}, mode {mode.number}: range of wind speed (radius, m/s) over the direction "
-            f"from which the wind comes, in those samples that have one (at most {words.share(float(mode.share.max()))})."
+            f"from which the wind comes, in those samples that have one (at most {words.share(mode.share.max())})."
         )
-        low, high = mode.speed_low[:, 1], mode.speed_high[:, 1]
+        low, high, directions = mode.speed_low[:, 1], mode.speed_high[:, 1], mode.directions
     if climate is not None:
-        directions = 2 * np.pi * np.arange(question.directions) / question.directions
         rose = wind_rose(climate, directions, _ROSE, wet=True)
         pictures.append(lambda axes: rose_picture.draw(rose, axes, low=low, high=high))
         hatched = "; hatched: the middle of that range" if low is not None else ""

@@ -125,8 +125,8 @@ def _bars(answer: BridgeAnswer, axes: Axes) -> None:
         if height is not None:
             axes.bar(k, height, 0.55, color=color, zorder=2)
         axes.annotate(
-            _said(stay), (k, height or 0.0), xytext=(0, 3), textcoords="offset points", ha="center", va="bottom", fontsize=7,
-            rotation=90 if len(names) > 12 else 0,
+            _said(stay), (k, height or 0.0), xytext=(0, 3), textcoords="offset points", ha="center", va="bottom",
+            fontsize=7, rotation=90 if len(names) > 12 else 0,
         )  # fmt: skip
     axes.axhline(1.0, color=style.BLACK, linestyle=style.DASHED, linewidth=0.8, zorder=3)
     axes.set_xlim(-0.6 - 0.5 * (len(names) < 3), len(names) - 0.4 + 0.5 * (len(names) < 3))

@@ -32,12 +32,11 @@ _BANDS = (
 
 
 def _stay(stay: StayAnswer) -> Iterator[Block]:
-    verdict = words.VERDICTS[stay.verdict]
     yield Words(_cable(stay.cable), "small")
     if stay.failure:
         yield Words(f"Not computed: {stay.failure}", "warning")
         return
-    yield Words(f"{verdict.symbol} {verdict.word}; margin: {words.margin(stay.margin)}", "strong")
+    yield Words(f"{words.said(stay.verdict)}; margin: {words.margin(stay.margin)}", "strong")
     yield Points(stay.sentences)
     for begin in range(0, len(stay.modes), _BESIDE):
         yield _modes(stay, stay.modes[begin : begin + _BESIDE])

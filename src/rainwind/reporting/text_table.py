@@ -11,7 +11,7 @@ __all__ = ["csv_text", "harmless"]
 
 
 def csv_text(answer: BridgeAnswer) -> str:
-    """Header and rows; a stay that failed has one row with its reason; what does not exist is empty."""
+    """Header and rows; a stay that failed has one row with its reason. What does not exist is empty; inf: no limit."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(["stay", "verdict", "mode", *columns(), "failure"])

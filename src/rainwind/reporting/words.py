@@ -7,7 +7,7 @@ from rainwind.engineering.answers import Band, BridgeAnswer, ModeAnswer, StayAns
 
 __all__ = [
     "VERDICTS", "VerdictWords", "amplitude_mode", "band", "band_lines", "band_parts", "compass",
-    "for_figure", "in_percent", "joined", "margin", "named", "number", "range_mode", "share",
+    "for_figure", "in_percent", "joined", "margin", "named", "number", "range_mode", "said", "share",
     "shortened", "speed_range", "stays", "summary_row", "summary_rows", "unbroken",
 ]  # fmt: skip
 
@@ -136,6 +136,12 @@ def unbroken(text: str) -> str:
     return text.replace(" %", "\u00a0%").replace(" m/s", "\u00a0m/\u2060s").replace("(m/s)", "(m/\u2060s)")
 
 
+def said(verdict: Verdict) -> str:
+    """Symbol and word of a verdict."""
+    one = VERDICTS[verdict]
+    return f"{one.symbol} {one.word}"
+
+
 def stays(count: int) -> str:
     """ "1 stay", "2 stays"."""
     return f"{count} stay" if count == 1 else f"{count} stays"
@@ -199,15 +205,13 @@ def summary_rows(answer: BridgeAnswer) -> tuple[list[str], list[list[str]]]:
 
 def summary_row(stay: StayAnswer) -> list[str]:
     """One stay: name, verdict, margin and mode that decides, damping there and needed, range, largest amplitude."""
-    verdict = VERDICTS[stay.verdict]
-    said = f"{verdict.symbol} {verdict.word}"
     name, mode = shortened(stay.cable.name, 40), stay.worst
     if stay.failure or mode is None:
-        return [name, said, NONE, NONE, NONE, NONE, NONE, NONE]
+        return [name, f"{said(stay.verdict)}\n{shortened(stay.failure, 240)}", *[NONE] * 6]
     largest = amplitude_mode(stay)
     return [
         name,
-        said,
+        said(stay.verdict),
         margin(stay.margin) + (f"\nmode {mode.number}" if not isinf(stay.margin) else ""),
         number(100 * mode.damping_total),
         band_lines(in_percent(mode.damping_needed_observed)),
