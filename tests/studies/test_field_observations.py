@@ -13,16 +13,24 @@ from rainwind.engineering.sources import STATUS_WORDS
 from rainwind.plotting import style
 from rainwind.studies import field_observations
 from rainwind.studies.field_observations import Result
+from rainwind.studies.field_rivulets import SmallVibrations, one_size
+from rainwind.studies.field_tables import one_size_markdown
 
 approx = pytest.approx
 ROOT = Path(__file__).parents[2]
 CASES = {case.name: case for case in observed_cases()}
+Pairs = tuple[tuple[SmallVibrations, SmallVibrations], ...]
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?")
 
 
 @pytest.fixture(scope="module")
 def result() -> Result:
     return field_observations.compute()
+
+
+@pytest.fixture(scope="module")
+def pairs() -> Pairs:
+    return one_size()
 
 
 # ---- what the sources say ----
@@ -123,6 +131,38 @@ def test_the_tables_of_the_page_are_computed(result: Result, name: str):
         assert NUMBER.sub("#", printed) == NUMBER.sub("#", line)
         for a, b in zip(NUMBER.findall(printed), NUMBER.findall(line), strict=True):
             assert float(a) == approx(float(b), rel=0.15, abs=0.2)
+
+
+def test_small_vibrations_by_the_rule_are_those_of_the_assessment(pairs: Pairs, result: Result):
+    """Found apart, with the pieces of the assessment: the same bands."""
+    for rule, _ in pairs:
+        mode = result.named(rule.case.name).modes[rule.mode - 1]
+        for band, other in (
+            (rule.onset, mode.range_low),
+            (rule.end, mode.range_high),
+            (rule.needed, mode.damping_needed),
+            (rule.needed_observed, mode.damping_needed_observed),
+        ):
+            assert (band.low, band.middle, band.high) == approx(
+                (other.low, other.middle, other.high), rel=1e-9
+            )
+        assert rule.open == mode.unlimited
+
+
+def test_a_rivulet_of_one_size(pairs: Pairs):
+    assert one_size_markdown(pairs) in (ROOT / "docs/validation.md").read_text(encoding="utf-8")
+
+
+def test_the_onset_goes_with_the_rivulets_weight_times_its_lever(pairs: Pairs):
+    """At one Froude number: U_n² is proportional to m_R (d + h) / d² (Peil & Nahrath 2003, eq. (6)).
+
+    Where a range begins with the upper rivulet itself, as in first modes: by the rule m_R = 20 d² and h = d/10.
+    """
+    for rule, fixed in pairs:
+        if rule.mode == 1:
+            d = rule.case.cable.diameter
+            expected = sqrt(0.2 * (d + 0.01) / (20 * d**2 * 1.1 * d))
+            assert fixed.onset.middle / rule.onset.middle == approx(expected, rel=0.006)
 
 
 def test_the_page_says_what_was_assumed():

@@ -14,10 +14,10 @@ from rainwind.engineering.bridge import Bridge, Limits, Question
 from rainwind.engineering.inflow import yaw
 from rainwind.engineering.observed import Observed, observed_cases
 
-__all__ = ["TOP", "Comparison", "Result", "compute"]
+__all__ = ["DIRECTIONS", "SAMPLES", "SETS", "TOP", "Comparison", "Result", "compute"]
 
 TOP = 40.0  # m/s, the highest speed looked at
-_DIRECTIONS, _SAMPLES, _SETS = 24, 16, ("reconstructed",)
+DIRECTIONS, SAMPLES, SETS = 24, 16, ("reconstructed",)
 _NEARLY_ALL = 0.9
 
 
@@ -93,10 +93,10 @@ def _compared(case: Observed, workers: int | None) -> Comparison:
     fixed = case.cable.heading != 0.0
     question = Question(
         modes=case.modes,
-        directions=4 if fixed else _DIRECTIONS,
+        directions=4 if fixed else DIRECTIONS,
         speeds=(3.0, TOP),
-        sets=_SETS,
-        samples=_SAMPLES,
+        sets=SETS,
+        samples=SAMPLES,
     )
     bridge = Bridge(
         case.name, (case.cable,), case.site, limits=Limits(observed_speeds=case.speeds), question=question

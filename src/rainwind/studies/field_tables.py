@@ -6,10 +6,12 @@ from math import degrees
 import numpy as np
 
 from rainwind.engineering.answers import Band, ModeAnswer
+from rainwind.engineering.criteria import rule_damping
 from rainwind.io.results import Column, Table
 from rainwind.studies.field_comparison import TOP, Comparison, Result
+from rainwind.studies.field_rivulets import SmallVibrations
 
-__all__ = ["markdown", "tables"]
+__all__ = ["markdown", "one_size_markdown", "tables"]
 
 PERCENT = 100.0
 
@@ -26,6 +28,30 @@ def markdown(result: Result) -> dict[str, str]:
     return {
         name: _markdown(header, map(row, *zip(*_rows(result), strict=True))) for name, header, row in _TABLES
     }
+
+
+def one_size_markdown(pairs: tuple[tuple[SmallVibrations, SmallVibrations], ...]) -> str:
+    """The fifth table: onset, end and damping by the rule for the rivulet, and with one of one size."""
+    rows = (_one_size_row(*pair) for pair in pairs)
+    return _markdown(_ONE_SIZE, rows)
+
+
+_ONE_SIZE = (
+    "case", "mode", "observed (m/s)", "onset, rule (m/s)", "onset, one size (m/s)", "end, rule (m/s)",
+    "end, one size (m/s)", "needed/PTI, rule", "needed/PTI, one size",
+)  # fmt: skip
+
+
+def _one_size_row(rule: SmallVibrations, fixed: SmallVibrations) -> tuple[str, ...]:
+    case = rule.case
+    least = rule_damping(case.cable, case.site.density)
+    needed = [
+        f"{one.needed_observed.middle / least:.1f}, {one.needed.middle / least:.1f}" for one in (rule, fixed)
+    ]
+    return (
+        case.name, f"{rule.mode}", _span(case.speeds, 0), _three(rule.onset, 1), _three(fixed.onset, 1),
+        _high(rule.end), _high(fixed.end), *needed,
+    )  # fmt: skip
 
 
 def _markdown(header: tuple[str, ...], rows: Iterator[tuple[str, ...]]) -> str:
