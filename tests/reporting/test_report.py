@@ -15,8 +15,8 @@ from rainwind.engineering.answers import Band
 from rainwind.engineering.climate import Climate
 from rainwind.errors import InputError
 from rainwind.reporting import words
-from rainwind.reporting.content import Points, Table, Verbatim, Words
 from rainwind.reporting.back_pages import back_pages
+from rainwind.reporting.content import Points, Table, Verbatim, Words
 from rainwind.reporting.document import document
 from rainwind.reporting.first_page import first_page
 from rainwind.reporting.picture_pages import picture_pages

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure as Canvas
 from rainwind.engineering.answers import BridgeAnswer, ModeAnswer, StayAnswer
 from rainwind.engineering.climate import Climate, wind_rose
 from rainwind.engineering.damper_curve import DamperCurve, damper_curve, optimum_coefficient
+from rainwind.engineering.wind_profile import speed_factor
 from rainwind.errors import RainwindError
 from rainwind.plotting import damper_curves, style
 from rainwind.plotting import wind_rose as rose_picture
@@ -87,17 +88,22 @@ def _round(
         stay, mode = ranged
         pictures.append(lambda axes: range_polar.draw(mode, axes, limits.observed_speeds, question.speeds[1]))
         captions.append(
-            f"Stay {words.named(stay)}, mode {mode.number}: range of wind speed (radius, m/s) over the direction "
+            f"{'Left: s' if climate is not None else 'S'}tay {words.named(stay)}, mode {mode.number}: range of wind "
+            "speed (radius, m/s) over the direction "
             f"from which the wind comes, in those samples that have one (at most {words.share(mode.share.max())})."
         )
         low, high, directions = mode.speed_low[:, 1], mode.speed_high[:, 1], mode.directions
     if climate is not None:
-        rose = wind_rose(climate, directions, _ROSE, wet=True)
+        site = answer.bridge.site
+        factor = 1.0 / float(
+            speed_factor(site, climate.height)
+        )  # from the anemometer to the reference height
+        rose = wind_rose(climate, directions, _ROSE, wet=True, factor=factor)
         pictures.append(lambda axes: rose_picture.draw(rose, axes, low=low, high=high))
         hatched = "; hatched: the middle of that range" if low is not None else ""
         captions.append(
-            f"{'Right: h' if ranged else 'H'}ours a year with rain by direction and speed of the wind, as measured at "
-            f"{climate.height:g} m{hatched}."
+            f"{'Right: h' if ranged else 'H'}ours a year with rain by direction and speed of the wind, at "
+            f"{site.reference_height:g} m{hatched}."
         )
     canvas = Canvas()
 
@@ -107,7 +113,7 @@ def _round(
             picture(axes)
 
     beside = len(pictures) > 1
-    svg = _svg(canvas, fill, "double" if beside else "single", 102)
+    svg = _svg(canvas, fill, "double" if beside else "single", 122 if beside else 102)
     return Figure(svg, " ".join(captions), 1.0 if beside else 0.5)
 
 
