@@ -30,12 +30,15 @@ def _blocks(answer: BridgeAnswer) -> Iterator[Block]:
         )
     yield Words(RECONSTRUCTED, "warning")
     yield Words(_counts(answer), "strong")
-    yield _table(answer)
-    yield Words(_legend(), "small")
+    table = (_table(answer), Words(_legend(), "small"))
+    if len(answer.stays) <= _FIT:
+        yield from table
     yield Words("What it means", "strong")
     yield Points(key_sentences(answer))
     yield Words("What to do next", "strong")
     yield Points(next_steps(answer), numbered=True)
+    if len(answer.stays) > _FIT:
+        yield from table
 
 
 def _asked(answer: BridgeAnswer) -> str:
@@ -70,6 +73,7 @@ def _counts(answer: BridgeAnswer) -> str:
     return f"{words.stays(len(found))}: " + ", ".join(said)
 
 
+_FIT = 14  # stays whose table leaves room on the page for what it means
 _FAR = 0.1  # x_d/L: beyond it no damper is called near an anchorage
 _WIDTHS = (0.1, 0.145, 0.095, 0.085, 0.14, 0.14, 0.13, 0.165)
 

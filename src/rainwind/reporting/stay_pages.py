@@ -12,7 +12,7 @@ from rainwind.reporting.quantities import QUANTITIES
 
 __all__ = ["stay_pages"]
 
-_BESIDE = 5  # modes in one table
+_BESIDE = 4  # modes in one table
 
 
 def stay_pages(answer: BridgeAnswer) -> Iterator[Section]:
