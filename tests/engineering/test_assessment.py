@@ -10,6 +10,7 @@ from rainwind.engineering import assessment, mode_assessment
 from rainwind.engineering.assessment import assess
 from rainwind.engineering.bridge import Bridge, Limits, Question
 from rainwind.engineering.cable import Cable, Damper
+from rainwind.engineering.climate import Climate
 from rainwind.physics.rivulet import Rivulet
 
 # the sample case of Peil & Nahrath (2003) as a stay: 1 Hz, soft strands, so that its stretching hardly counts
@@ -136,3 +137,24 @@ def test_a_steep_stay_in_wind_along_it_still_meets_wind() -> None:
     steep = replace(PAPER, inclination=radians(89.0))
     mode = assess(replace(BRIDGE, stays=(steep,))).stays[0].modes[0]
     assert mode.speed_low.shape == (4, 3)
+
+
+def test_cycles_are_the_mean_over_samples_of_the_hours_in_the_range() -> None:
+    """Wind from every direction alike at 12 m/s, always wet: every hour in the range counts 3600 f cycles."""
+    count = 4
+    climate = Climate(
+        np.full(count, 12.0),
+        2 * pi * np.arange(count) / count,
+        np.ones(count, dtype=bool),
+        np.full(count, 2190.0),
+        10.0,
+    )
+    mode = assess(BRIDGE, climate).stays[0].modes[0]
+    assert mode.hours is not None
+    assert mode.hours_dry is not None
+    assert mode.cycles is not None
+    assert mode.hours.high <= 8760.0
+    assert mode.hours_dry.high == 0.0
+    # two samples: the mean of their hours is the middle of the band
+    assert mode.cycles.sum() == pytest.approx(3600.0 * mode.frequency_out * mode.hours.middle, rel=1e-9)
+    assert mode.hours.middle > 0.0

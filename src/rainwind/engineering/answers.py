@@ -77,8 +77,8 @@ class ModeAnswer:
     lost: (k,) share of samples that lose their rivulet before a steady vibration; their amplitude is the largest
     until then. build_up: s from a tenth of a diameter to the amplitude. stroke, force: of the damper, m and N.
     uplift: mean displacement of mid-span upwards by the wind's lift, m. hours: a year, in the range with rain, None
-    without climate; hours_observed: those of them at observed speeds; hours_dry: in the range without rain. cycles: a
-    year, in `cycle_edges` of amplitude (m).
+    without climate; hours_observed: those of them at observed speeds; hours_dry: in the range without rain. cycles:
+    expected a year, the mean over samples, in bins between `cycle_edges` (m), the last one open.
     """
 
     number: int

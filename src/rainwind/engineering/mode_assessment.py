@@ -35,6 +35,7 @@ __all__ = ["Setting"]
 _SPEEDS = 64  # looked at, for the range
 _STEPS = 14  # of the observed speeds, for the amplitude
 _BUILD_UP_FROM = 0.1  # diameters
+_CYCLE_EDGES = (0.0, 0.1, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0)  # diameters
 _MID_SPAN = (
     pi**2 / 8
 )  # displacement of a string's mid-span by an even load, over that of the section of mode 1
@@ -94,7 +95,7 @@ class Setting:
             undamped = self._amplitudes([at_worst(one, own) for one in self.sets])[0]
         wet, dry = self._hours(directions, low, high)
         within, _ = self._hours(directions, *_clipped(low, high, limits.observed_speeds))
-        edges = np.linspace(0.0, max(1.0, np.nan_to_num(largest).max() / cable.diameter), 11) * cable.diameter
+        edges = np.array(_CYCLE_EDGES) * cable.diameter
         return ModeAnswer(
             number=mode.number,
             frequency_in=mode.frequency_in,
@@ -127,7 +128,7 @@ class Setting:
             hours_dry=dry,
             hours_observed=within,
             cycle_edges=edges if self.climate is not None else None,
-            cycles=self._cycles(directions, low, high, steps, amplitude, mode.frequency_out, edges),
+            cycles=self._cycles(directions, (low, high), steps, amplitude, mode.frequency_out, edges),
             galloping_speed=galloping_speed(cable, mode.frequency_out, ratio, site.density),
             vortex_speed=vortex_speed(cable, mode.frequency_out),
         )
@@ -177,20 +178,22 @@ class Setting:
     def _cycles(
         self,
         directions: np.ndarray,
-        low: np.ndarray,
-        high: np.ndarray,
+        ranges: tuple[np.ndarray, np.ndarray],
         speeds: np.ndarray,
         amplitude: np.ndarray,
         frequency: float,
         edges: np.ndarray,
     ) -> np.ndarray | None:
+        """Expected cycles a year in each bin: the mean over all samples, each with its own ranges and amplitudes."""
         if self.climate is None:
             return None
-        middle = _bands(np.nan_to_num(amplitude))[:, 1]
-        bounds = _bands(low)[:, 1], _bands(high)[:, 1]
-        return cycles(
-            self.climate, directions, *bounds, speeds, middle, frequency, edges, factor=self._to_reference
-        )
+        each = [
+            cycles(
+                self.climate, directions, low, high, speeds, own, frequency, edges, factor=self._to_reference
+            )
+            for low, high, own in zip(*ranges, amplitude, strict=True)
+        ]
+        return np.mean(each, axis=0)
 
     @property
     def _to_reference(self) -> float:
