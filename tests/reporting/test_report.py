@@ -150,6 +150,22 @@ def test_the_page_loads_nothing_and_closes_its_tags(folder, nasty):
         assert "script" not in page.tags
 
 
+def test_the_page_names_no_address_but_those_of_the_names_of_xml(folder):
+    text = (folder / "report.html").read_text(encoding="utf-8")
+    assert "http" not in re.sub(r'xmlns(:\w+)?="[^"]*"', "", text)
+
+
+def test_of_many_stays_the_meaning_comes_before_the_table(answer):
+    kinds = {}
+    for count in (3, 15):
+        stays = tuple(
+            replace(answer.stays[0], cable=replace(answer.stays[0].cable, name=f"S{k}")) for k in range(count)
+        )
+        blocks = first_page(replace(answer, stays=stays)).blocks
+        kinds[count] = [type(block).__name__ for block in blocks if isinstance(block, Table | Points)]
+    assert kinds == {3: ["Table", "Points", "Points"], 15: ["Points", "Points", "Table"]}
+
+
 def test_figures_of_one_page_do_not_share_names(folder):
     text = (folder / "report.html").read_text(encoding="utf-8")
     names = re.findall(r'\bid="([^"]+)"', text)
