@@ -14,9 +14,9 @@ import pytest
 from rainwind.engineering.answers import Band
 from rainwind.engineering.climate import Climate
 from rainwind.errors import InputError
-from rainwind.reporting import words
+from rainwind.reporting import pdf_writer, words
 from rainwind.reporting.back_pages import back_pages
-from rainwind.reporting.content import Points, Table, Verbatim, Words
+from rainwind.reporting.content import Points, Report, Section, Table, Verbatim, Words
 from rainwind.reporting.document import document
 from rainwind.reporting.first_page import first_page
 from rainwind.reporting.picture_pages import picture_pages
@@ -264,6 +264,7 @@ def test_an_assumption_of_all_stays_stands_once(answer):
         answer, stays=tuple(replace(stay, assumptions=("Everyone's guess.",)) for stay in answer.stays)
     )
     assert " ".join(texts(back_pages(common))).count("Everyone's guess.") == 1
+    assert "For all stays" in texts(back_pages(common))
 
 
 def test_the_wind_rose_needs_a_climate(answer):
@@ -406,6 +407,16 @@ def test_nasty_names_are_words_on_the_page(nasty):
     page = Page(html).text
     for name in NASTY[:11]:
         assert " ".join(name.split()) in page
+
+
+def test_the_typesetter_gets_no_control_characters_and_words_that_can_break(tmp_path):
+    words_, points = Words("a\x01\x0bb 5 %"), Points(("W" * 30,))
+    section = Section("\x02t", (words_, points, Verbatim("x\x03 5 %")))
+    data = pdf_writer._report(Report("t", "s", "h", "f", (section,)), tmp_path)["sections"][0]
+    assert data["title"] == "t"
+    assert data["blocks"][0]["text"] == "ab 5\u00a0%"
+    assert data["blocks"][1]["items"] == ["\u200b".join(["WWWW"] * 7 + ["WW"])]
+    assert data["blocks"][2]["lines"] == ["x 5 %"]
 
 
 def test_nasty_names_are_not_run_by_the_typesetter(nasty):
