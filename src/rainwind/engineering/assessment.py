@@ -54,13 +54,13 @@ def assess(
     """
     begin = perf_counter()
     sets = tuple(load_coefficients(name) for name in bridge.question.sets)
-    factors = sample_factors(RIVULET_SCATTER, bridge.question.samples, bridge.question.seed)
+    samples = sample_factors(RIVULET_SCATTER, bridge.question.samples, bridge.question.seed)
     store = AnswerStore(checkpoint, bridge, sets, climate) if checkpoint is not None else None
     done: list[StayAnswer] = []
     interrupted = False
     total = len(bridge.stays) * bridge.question.modes
     with ThreadPoolExecutor(workers) as pool:
-        setting = Setting(bridge, climate, sets, factors, pool, workers)
+        setting = Setting(bridge, climate, sets, samples, pool, workers)
         try:
             for number, cable in enumerate(bridge.stays):
                 kept = store.kept(cable) if store is not None else None

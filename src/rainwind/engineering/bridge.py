@@ -88,14 +88,15 @@ class Question:
 
     modes: of each stay, from the first. directions: of the wind, evenly round the compass. speeds: m/s at the
     reference height, between which a vibration is looked for. sets: of coefficients, all in one band. samples: of
-    rivulet and slopes, for each set. seed: of the samples.
+    rivulet and slopes, for each set; runs: of these, how many are followed in time. seed: of the samples.
     """
 
     modes: int = 3
     directions: int = 36
     speeds: tuple[float, float] = (3.0, 40.0)
     sets: tuple[str, ...] = ("reconstructed", "reconstructed-cubic", "reconstructed-linear")
-    samples: int = 16
+    samples: int = 32
+    runs: int = 16
     seed: int = 1
 
     def __post_init__(self) -> None:
@@ -103,6 +104,7 @@ class Question:
             ("modes", 1, 20),
             ("directions", 4, 360),
             ("samples", 2, 1024),
+            ("runs", 2, 1024),
             ("seed", 0, 2**31),
         ):
             value = getattr(self, name)
@@ -113,6 +115,7 @@ class Question:
             raise InputError(
                 f"assessment.speeds = ({low:g}, {high:g}) must be two speeds up to 100 m/s, the lower first"
             )
+        object.__setattr__(self, "runs", min(self.runs, self.samples))
         if not self.sets:
             raise InputError("assessment.sets is empty; name one set of coefficients or more")
 

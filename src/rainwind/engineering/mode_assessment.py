@@ -23,7 +23,7 @@ from rainwind.engineering.equivalent_section import section_model
 from rainwind.engineering.inflow import beta, normal_factor, yaw
 from rainwind.engineering.linear_stability import Growth, damping_needed, growth
 from rainwind.engineering.modes import Mode
-from rainwind.engineering.rivulets import usual_rivulet
+from rainwind.engineering.rivulets import factors_at, usual_rivulet
 from rainwind.engineering.upper_rivulet import UpperRivulet, upper_rivulets, wind_speed_normal
 from rainwind.engineering.vibration_ranges import unstable_ranges
 from rainwind.engineering.wind_profile import mode_factor, speed_factor
@@ -55,13 +55,13 @@ class _Set:
 class Setting:
     """What all modes of all stays share.
 
-    factors: (s,) of each scattered quantity by name, on the model's own value; pool: of threads, for the sets.
+    samples: (s,) of each scattered quantity by name; pool: of threads, for the sets.
     """
 
     bridge: Bridge
     climate: Climate | None
     sets: tuple[CoefficientSet, ...]
-    factors: Mapping[str, np.ndarray]
+    samples: Mapping[str, np.ndarray]
     pool: ThreadPoolExecutor
     workers: int | None
 
@@ -87,12 +87,18 @@ class Setting:
         worst = _worst_yaw(fields, observed)
 
         steps = np.linspace(*limits.observed_speeds, _STEPS)
-        at_worst = lambda one, xi: self._set(cable, mode, one, xi, gamma[[worst]], weight * steps)  # noqa: E731
-        amplitude, lost, slow, rest = self._amplitudes([at_worst(one, ratio) for one in self.sets])
+        at = (gamma[[worst]], weight * steps, question.runs)
+        amplitude, lost, slow, rest = self._amplitudes(
+            [self._set(cable, mode, one, ratio, *at) for one in self.sets]
+        )
         largest = _largest(amplitude)
+        # the rows of the samples that were followed in time, set by set
+        followed = np.concatenate(
+            [k * question.samples + np.arange(question.runs) for k in range(len(fields))]
+        )
         undamped = None
         if cable.dampers:
-            undamped = self._amplitudes([at_worst(one, own) for one in self.sets])[0]
+            undamped = self._amplitudes([self._set(cable, mode, one, own, *at) for one in self.sets])[0]
         wet, dry = self._hours(directions, low, high)
         within, _ = self._hours(directions, *_clipped(low, high, limits.observed_speeds))
         edges = np.array(_CYCLE_EDGES) * cable.diameter
@@ -128,7 +134,9 @@ class Setting:
             hours_dry=dry,
             hours_observed=within,
             cycle_edges=edges if self.climate is not None else None,
-            cycles=self._cycles(directions, (low, high), steps, amplitude, mode.frequency_out, edges),
+            cycles=self._cycles(
+                directions, (low[followed], high[followed]), steps, amplitude, mode.frequency_out, edges
+            ),
             galloping_speed=galloping_speed(cable, mode.frequency_out, ratio, site.density),
             vortex_speed=vortex_speed(cable, mode.frequency_out),
         )
@@ -141,9 +149,13 @@ class Setting:
         ratio: float,
         gamma: np.ndarray,
         speed: np.ndarray,
+        first: int | None = None,
     ) -> _Set:
-        """The branches D and the growth about them with one coefficient set; speed: at the cable."""
-        rivulet = self.bridge.rivulet or usual_rivulet(cable.diameter)
+        """The branches D and the growth about them with one set; speed: at the cable; first: samples, None for all."""
+        given = self.bridge.rivulet
+        rivulet = given or usual_rivulet(cable.diameter)
+        every = factors_at(self.samples, None if given else cable.diameter)
+        factors = {name: values[:first] for name, values in every.items()}
         model = section_model(
             cable,
             mode,
@@ -152,10 +164,10 @@ class Setting:
             damping_ratio=ratio,
             density=self.bridge.site.density,
         )
-        branches = upper_rivulets(model, self.factors, beta(gamma, cable.inclination))
-        mass = self.factors["rivulet.mass"][:, None] * rivulet.mass
+        branches = upper_rivulets(model, factors, beta(gamma, cable.inclination))
+        mass = factors["rivulet.mass"][:, None] * rivulet.mass
         onset = wind_speed_normal(model, branches.onset, mass) / normal_factor(gamma, cable.inclination)
-        return _Set(model, branches, growth(model, self.factors, branches, gamma, speed), onset)
+        return _Set(model, branches, growth(model, factors, branches, gamma, speed), onset)
 
     def _amplitudes(self, fields: list[_Set]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Of all samples over the speeds of one direction: amplitude (s, k), share lost (k,), growth and y at rest."""

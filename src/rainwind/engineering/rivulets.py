@@ -16,16 +16,14 @@ from rainwind.physics.checks import not_negative, positive
 from rainwind.physics.rivulet import Rivulet
 from rainwind.physics.tilted import DRAG, LIFT, MOMENT
 
-__all__ = ["RIVULET_SCATTER", "Scatter", "sample_factors", "usual_rivulet"]
+__all__ = ["RIVULET_SCATTER", "SIZE", "Scatter", "factors_at", "sample_factors", "usual_rivulet"]
 
 HEIGHT = 0.1
 """Of the diameter: that of the rivulets to which the coefficient sets belong (Peil & Nahrath 2003, read)."""
-AREA = 2.0
-"""Section area over height squared: 2.0 and 2.2 for the two rivulets of Peil & Nahrath (2003) (read)."""
-WATER = 1000.0
-"""kg/m³."""
-FRICTION, AT_DIAMETER = 0.05, 0.1
-"""Nms/m at a diameter of 0.1 m: Peil & Nahrath (2003), section 3 (read); nobody measured it."""
+MASS, FRICTION, AT_DIAMETER = 0.2, 0.05, 0.1
+"""kg/m and Nms/m at a diameter of 0.1 m: Peil & Nahrath (2003), section 3 (read); nobody measured the friction."""
+SIZE = "size exponent"
+"""Name of e among the samples: the mass goes with the diameter to the power e."""
 
 _NORMAL_95 = float(norm.ppf(0.95))
 _LEAST_SLOPE = 0.1
@@ -33,16 +31,15 @@ _MOST_SAMPLES = 2**16
 
 
 def usual_rivulet(diameter: float) -> Rivulet:
-    """The rivulet of a stay of this outer diameter, m: similar to that of Peil & Nahrath (2003), section 3.
+    """The rivulet of a stay of this outer diameter, m; at 0.1 m that of Peil & Nahrath (2003), section 3.
 
-    height 0.1 d, mass 1000 kg/m³ times 2 h², friction 0.05 (d / 0.1 m)³ Nms/m: the width of its contact grows with d,
-    the lever squared with d², the film below it keeps its thickness. The wind speed at which the upper rivulet begins
-    to exist then grows with sqrt(d), at one Froude number, as Lemaitre et al. (2006) found (abstract read).
-    Raises InputError. Source: our judgement.
+    Height 0.1 d, mass 2 kg/m² times d, friction 0.05 (d / 0.1 m)^2.5 Nms/m. The mass lies between a rivulet of one size
+    on every stay (d^0) and one in proportion to it (d²); the friction goes with the width of the contact, so with the
+    root of the mass, and with the lever squared. Raises InputError. Source: our judgement; docs/rivulets.md.
     """
     d = positive("diameter", diameter, "in m")
-    height = HEIGHT * d
-    return Rivulet(WATER * AREA * height**2, height, FRICTION * (d / AT_DIAMETER) ** 3)
+    ratio = d / AT_DIAMETER
+    return Rivulet(MASS * ratio, HEIGHT * d, FRICTION * ratio**2.5)
 
 
 @dataclass(frozen=True)
@@ -50,7 +47,7 @@ class Scatter:
     """How widely rivulet and coefficients scatter about their usual values. Raises InputError.
 
     mass, friction: standard deviation of the logarithm; lift, drag, moment: standard deviation of the factor on the
-    curve's slope. 0: not at all.
+    curve's slope; size: half the width of the uniform distribution of e about 1. 0: not at all.
     """
 
     mass: float
@@ -58,9 +55,10 @@ class Scatter:
     lift: float
     drag: float
     moment: float
+    size: float
 
     def __post_init__(self) -> None:
-        for name in ("mass", "friction", "lift", "drag", "moment"):
+        for name in ("mass", "friction", "lift", "drag", "moment", "size"):
             value = not_negative(f"scatter.{name}", getattr(self, name))
             if value > 2.0:
                 raise InputError(f"scatter.{name} = {value:g} is too wide; allowed is 0 to 2, 0.2 means 20 %")
@@ -68,24 +66,25 @@ class Scatter:
 
 
 RIVULET_SCATTER = Scatter(
-    mass=log(2.0) / _NORMAL_95, friction=log(3.0) / _NORMAL_95, lift=0.2, drag=0.2, moment=0.2
+    mass=log(2.0) / _NORMAL_95, friction=log(3.0) / _NORMAL_95, lift=0.2, drag=0.2, moment=0.2, size=1.0
 )
-"""90 % of all masses within a factor of 2, of all frictions within 3, slopes by 20 %: an engineer's judgement."""
+"""At one diameter 90 % of all masses within a factor of 2, of all frictions within 3, slopes by 20 %; e from 0 to 2: an
+engineer's judgement."""
 
 
 def sample_factors(scatter: Scatter, count: int, seed: int) -> Mapping[str, np.ndarray]:
-    """Factors (count,) on a rivulet's mass and friction and on the slopes of lift, drag and moment, by name.
+    """Factors (count,) on a rivulet's mass and friction and on the slopes of lift, drag and moment, and `SIZE`, by name.
 
     A Latin hypercube: each quantity is spread evenly over its own distribution, log-normal for mass and friction with
-    the median 1, normal about 1 for slopes, which are never below 0.1. The same seed gives the same samples.
-    Raises InputError.
+    the median 1, normal about 1 for slopes, which are never below 0.1, uniform for the size exponent. The same seed
+    gives the same samples. `factors_at` makes of them the factors for one diameter. Raises InputError.
     """
     if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= _MOST_SAMPLES:
         raise InputError(f"count = {count!r} must be a whole number from 1 to {_MOST_SAMPLES}")
     if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
         raise InputError(f"seed = {seed!r} must be a whole number of 0 or more")
-    uniform = qmc.LatinHypercube(5, rng=np.random.default_rng(seed)).random(count)
-    mass, friction, *slopes = norm.ppf(uniform).T
+    uniform = qmc.LatinHypercube(6, rng=np.random.default_rng(seed)).random(count)
+    mass, friction, *slopes = norm.ppf(uniform[:, :5]).T
     found = {
         "rivulet.mass": np.exp(scatter.mass * mass),
         "rivulet.friction": np.exp(scatter.friction * friction),
@@ -94,4 +93,15 @@ def sample_factors(scatter: Scatter, count: int, seed: int) -> Mapping[str, np.n
         (LIFT, DRAG, MOMENT), (scatter.lift, scatter.drag, scatter.moment), slopes, strict=True
     ):
         found[name] = np.maximum(1.0 + wide * z, _LEAST_SLOPE)
+    found[SIZE] = 1.0 + scatter.size * (2.0 * uniform[:, 5] - 1.0)
     return MappingProxyType(found)
+
+
+def factors_at(samples: Mapping[str, np.ndarray], diameter: float | None) -> dict[str, np.ndarray]:
+    """The factors on the usual rivulet of a stay of this diameter, m; None: on a rivulet that is given, of any size."""
+    found = {name: values for name, values in samples.items() if name != SIZE}
+    if diameter is not None and SIZE in samples:
+        spread = (positive("diameter", diameter, "in m") / AT_DIAMETER) ** (samples[SIZE] - 1.0)
+        found["rivulet.mass"] = found["rivulet.mass"] * spread
+        found["rivulet.friction"] = found["rivulet.friction"] * np.sqrt(spread)
+    return found

@@ -83,7 +83,7 @@ _ALL = (
     ),
     Source(
         "rivulet rule",
-        "rivulets of other cables by similarity to those of Peil & Nahrath (2003): docs/rivulets.md",
+        "rivulets of other cables from that of Peil & Nahrath (2003), between one size and one shape: docs/rivulets.md",
         "derived",
     ),
     Source(

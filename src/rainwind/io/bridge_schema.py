@@ -268,6 +268,13 @@ _OPTIONS = (
     Option(
         "assessment", "samples", _QUESTION.samples, "of rivulet and coefficients, for each set", form="count"
     ),
+    Option(
+        "assessment",
+        "runs",
+        _QUESTION.runs,
+        "samples that are followed in time, for the amplitude",
+        form="count",
+    ),
     Option("assessment", "seed", _QUESTION.seed, "of the samples", form="count"),
 )
 

@@ -14,7 +14,7 @@ from rainwind.engineering.inflow import beta, normal_factor, yaw
 from rainwind.engineering.linear_stability import damping_needed, growth
 from rainwind.engineering.modes import cable_modes
 from rainwind.engineering.observed import Observed, observed_cases
-from rainwind.engineering.rivulets import RIVULET_SCATTER, sample_factors, usual_rivulet
+from rainwind.engineering.rivulets import RIVULET_SCATTER, factors_at, sample_factors, usual_rivulet
 from rainwind.engineering.upper_rivulet import upper_rivulets, wind_speed_normal
 from rainwind.engineering.vibration_ranges import unstable_ranges
 from rainwind.engineering.wind_profile import mode_factor
@@ -49,7 +49,7 @@ def one_size() -> tuple[tuple[SmallVibrations, SmallVibrations], ...]:
     """Of the first and the last mode of each case: by the rule for the diameter, and with `ONE_SIZE`."""
     return tuple(
         (
-            small_vibrations(case, mode, usual_rivulet(case.cable.diameter)),
+            small_vibrations(case, mode),
             small_vibrations(case, mode, ONE_SIZE),
         )
         for case in observed_cases()
@@ -57,11 +57,13 @@ def one_size() -> tuple[tuple[SmallVibrations, SmallVibrations], ...]:
     )
 
 
-def small_vibrations(case: Observed, number: int, rivulet: Rivulet) -> SmallVibrations:
-    """As an assessment finds them, with a rivulet of choice in place of that by the rule."""
+def small_vibrations(case: Observed, number: int, rivulet: Rivulet | None = None) -> SmallVibrations:
+    """As an assessment finds them; with a rivulet in place of that by the rule, where one is given."""
     cable = case.cable
+    by_rule = rivulet is None
+    rivulet = rivulet or usual_rivulet(cable.diameter)
     mode = cable_modes(cable, number)[number - 1]
-    factors = sample_factors(RIVULET_SCATTER, SAMPLES, 1)
+    factors = factors_at(sample_factors(RIVULET_SCATTER, SAMPLES, 1), cable.diameter if by_rule else None)
     (name,) = SETS
     model = section_model(
         cable,
