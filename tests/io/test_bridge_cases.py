@@ -659,7 +659,7 @@ def text_of(bridge: Bridge) -> str:
     lines += ["[assessment]", f"low_m_s = {low!r}", f"high_m_s = {high!r}"]
     lines += [
         f"{name} = {toml_value(getattr(bridge.question, name))}"
-        for name in ("modes", "directions", "sets", "samples", "seed")
+        for name in ("modes", "directions", "sets", "samples", "seed", "runs")
     ]
     if bridge.rivulet is not None:
         lines += record("rivulet", bridge.rivulet)

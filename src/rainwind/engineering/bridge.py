@@ -88,7 +88,7 @@ class Question:
 
     modes: of each stay, from the first. directions: of the wind, evenly round the compass. speeds: m/s at the
     reference height, between which a vibration is looked for. sets: of coefficients, all in one band. samples: of
-    rivulet and slopes, for each set; runs: of these, how many are followed in time. seed: of the samples.
+    rivulet and slopes, for each set. seed: of the samples. runs: how many of them are followed in time, at most all.
     """
 
     modes: int = 3
@@ -96,8 +96,8 @@ class Question:
     speeds: tuple[float, float] = (3.0, 40.0)
     sets: tuple[str, ...] = ("reconstructed", "reconstructed-cubic", "reconstructed-linear")
     samples: int = 32
-    runs: int = 16
     seed: int = 1
+    runs: int = 16
 
     def __post_init__(self) -> None:
         for name, low, high in (

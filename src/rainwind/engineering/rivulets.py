@@ -73,7 +73,7 @@ engineer's judgement."""
 
 
 def sample_factors(scatter: Scatter, count: int, seed: int) -> Mapping[str, np.ndarray]:
-    """Factors (count,) on a rivulet's mass and friction and on the slopes of lift, drag and moment, and `SIZE`, by name.
+    """Factors (count,) on a rivulet's mass, its friction and the slopes of lift, drag and moment, and `SIZE`; by name.
 
     A Latin hypercube: each quantity is spread evenly over its own distribution, log-normal for mass and friction with
     the median 1, normal about 1 for slopes, which are never below 0.1, uniform for the size exponent. The same seed

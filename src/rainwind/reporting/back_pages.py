@@ -13,7 +13,7 @@ __all__ = ["LIMITS", "assumptions", "back_pages"]
 LIMITS = (
     "The coefficient sets are reconstructed from one paper. The band scatters their slopes by our judgement. No band "
     "covers a curve of another shape.",
-    "The rivulet of a real stay is known to nobody. The rule keeps the paper's rivulet in proportion to the diameter.",
+    "The rivulet of a real stay is known to nobody. How it grows with the diameter is one of the scattered quantities.",
     "At low damping the model has no upper limit of wind speed. The report prints its range and that in which "
     "rivulets have been seen side by side.",
     "The damping needed is that of the linear limit. A vibration that is already there can live at a little more "
