@@ -82,7 +82,7 @@ def test_a_run_that_was_stopped_goes_on(tmp_path: Path, monkeypatch: pytest.Monk
     assert seen == ["C1", "C2", "C2"]
     assert len(rows(out)) == 2
     run("assess", path, "--out", out, "--fresh")
-    assert seen == ["C1", "C2", "C2", "C1", "C2"]
+    assert sorted(seen[3:]) == ["C1", "C2"]
 
 
 def test_a_stay_that_fails_stands_in_the_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

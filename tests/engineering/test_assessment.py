@@ -69,10 +69,13 @@ def test_winds_from_both_sides_are_mirror_images() -> None:
 
 
 def test_the_same_question_has_the_same_answer_with_any_number_of_threads() -> None:
-    two = replace(BRIDGE, question=replace(ONE, sets=("reconstructed", "reconstructed-cubic")))
-    a, b = (assess(two, workers=n).stays[0].modes[0] for n in (1, 2))
-    assert np.array_equal(a.amplitudes, b.amplitudes, equal_nan=True)
-    assert a.damping_needed == b.damping_needed
+    question = replace(ONE, sets=("reconstructed", "reconstructed-cubic"))
+    stays = (PAPER, replace(PAPER, name="second", heading=1.0), replace(PAPER, name="third", mass=60.0))
+    for bridge in (replace(BRIDGE, question=question), replace(BRIDGE, question=question, stays=stays)):
+        for a, b in zip(*(assess(bridge, workers=n).stays for n in (1, 2)), strict=True):
+            assert a.cable == b.cable
+            assert np.array_equal(a.modes[0].amplitudes, b.modes[0].amplitudes, equal_nan=True)
+            assert a.modes[0].damping_needed == b.modes[0].damping_needed
 
 
 def test_a_damper_raises_the_margin_and_has_a_stroke() -> None:
@@ -113,7 +116,7 @@ def test_an_interrupt_keeps_the_stays_that_are_done(tmp_path) -> None:
         if what.startswith("second"):
             raise KeyboardInterrupt
 
-    answer = assess(two, checkpoint=tmp_path, progress=stop)
+    answer = assess(two, checkpoint=tmp_path, progress=stop, workers=1)
     assert answer.interrupted
     assert [stay.cable.name for stay in answer.stays] == ["paper"]
     assert len(list(tmp_path.glob("stay-*.json"))) == 1
@@ -158,3 +161,18 @@ def test_cycles_are_the_mean_over_samples_of_the_hours_in_the_range() -> None:
     # two samples: the mean of their hours is the middle of the band
     assert mode.cycles.sum() == pytest.approx(3600.0 * mode.frequency_out * mode.hours.middle, rel=1e-9)
     assert mode.hours.middle > 0.0
+
+
+def test_an_interrupt_stops_all_stays_that_are_computed_together(tmp_path) -> None:
+    many = replace(BRIDGE, stays=tuple(replace(PAPER, name=f"S{k}") for k in range(8)))
+
+    def stop(done: int, total: int, what: str) -> None:
+        if done >= 3:
+            raise KeyboardInterrupt
+
+    answer = assess(many, checkpoint=tmp_path, progress=stop, workers=2)
+    assert answer.interrupted
+    assert len(answer.stays) < 8
+    kept = len(list(tmp_path.glob("stay-*.json")))
+    assert kept >= len(answer.stays)
+    assert len(assess(many, checkpoint=tmp_path, workers=2).stays) == 8

@@ -5,10 +5,12 @@ coefficient set the same samples of rivulet and slopes. The range of wind speeds
 upper rivulet grow; the amplitude is that of runs in time in the direction that needs the most damping.
 """
 
+import os
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import CancelledError, ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
+from threading import Event, Lock
 from time import perf_counter
 
 import numpy as np
@@ -56,36 +58,61 @@ def assess(
     sets = tuple(load_coefficients(name) for name in bridge.question.sets)
     samples = sample_factors(RIVULET_SCATTER, bridge.question.samples, bridge.question.seed)
     store = AnswerStore(checkpoint, bridge, sets, climate) if checkpoint is not None else None
+    threads = workers or os.cpu_count() or 1
+    together = min(threads, len(bridge.stays))
+    setting = Setting(bridge, climate, sets, samples, max(1, threads // together))
+    told = _Told(progress, len(bridge.stays) * bridge.question.modes)
+
+    def answer(cable: Cable) -> StayAnswer:
+        kept = store.kept(cable) if store is not None else None
+        if kept is not None:
+            told(cable, bridge.question.modes, "kept from before")
+            return kept
+        found = _stay(setting, cable, told)
+        if store is not None and not found.failure:
+            store.keep(found)
+        return found
+
     done: list[StayAnswer] = []
-    interrupted = False
-    total = len(bridge.stays) * bridge.question.modes
-    with ThreadPoolExecutor(workers) as pool:
-        setting = Setting(bridge, climate, sets, samples, pool, workers)
-        try:
-            for number, cable in enumerate(bridge.stays):
-                kept = store.kept(cable) if store is not None else None
-                if kept is None:
-                    kept = _stay(setting, cable, _told(progress, number * bridge.question.modes, total))
-                    if store is not None and not kept.failure:
-                        store.keep(kept)
-                elif progress is not None:
-                    progress((number + 1) * bridge.question.modes, total, f"{cable.name}: kept from before")
-                done.append(kept)
-        except KeyboardInterrupt:
-            interrupted = True
+    with ThreadPoolExecutor(together) as pool:
+        futures = [pool.submit(answer, cable) for cable in bridge.stays]
+        interrupted = False
+        for future in futures:
+            try:
+                done.append(future.result())
+            except (KeyboardInterrupt, CancelledError):
+                interrupted = True
+                told.stop.set()
+                for other in futures:
+                    other.cancel()
     notes = tuple(climate.notes) if climate is not None else ()
     return BridgeAnswer(bridge, tuple(done), perf_counter() - begin, case_text, interrupted, notes)
 
 
-def _told(progress: Progress | None, before: int, total: int) -> Callable[[int, str], None]:
-    def tell(modes: int, what: str) -> None:
-        if progress is not None:
-            progress(before + modes, total, what)
+class _Told:
+    """Progress of stays that are computed together, told one at a time; once it is stopped, every stay stops."""
 
-    return tell
+    def __init__(self, progress: Progress | None, total: int) -> None:
+        self.progress, self.total = progress, total
+        self.stop, self.lock = Event(), Lock()
+        self.modes: dict[str, int] = {}
+
+    def __call__(self, cable: Cable, modes: int, what: str) -> None:
+        """So many modes of a stay are done. Raises KeyboardInterrupt where the user stopped it."""
+        with self.lock:
+            if self.stop.is_set():
+                raise KeyboardInterrupt
+            self.modes[cable.name] = modes
+            if self.progress is None:
+                return
+            try:
+                self.progress(sum(self.modes.values()), self.total, f"{cable.name}: {what}")
+            except KeyboardInterrupt:
+                self.stop.set()
+                raise
 
 
-def _stay(setting: Setting, cable: Cable, tell: Callable[[int, str], None]) -> StayAnswer:
+def _stay(setting: Setting, cable: Cable, told: _Told) -> StayAnswer:
     """One stay; a failure is an answer."""
     bridge = setting.bridge
     count = bridge.question.modes
@@ -95,18 +122,18 @@ def _stay(setting: Setting, cable: Cable, tell: Callable[[int, str], None]) -> S
         damped = _least_damped(cable, count)
         answers = []
         for mode, own in zip(modes, damped, strict=True):
-            tell(mode.number - 1, f"{cable.name}, mode {mode.number} of {count}")
+            told(cable, mode.number - 1, f"mode {mode.number} of {count}")
             answers.append(setting.mode(cable, mode, own))
         checks = code_checks(
             cable, modes, [a.damping_total for a in answers], bridge.site.density,
             amplitude_at_15=_amplitude_at(answers, 15.0),
         )  # fmt: skip
     except _FAILURES as error:
-        tell(count, f"{cable.name}: failed")
+        told(cable, count, "failed")
         reason = f"{error}" if isinstance(error, RainwindError) else f"{type(error).__name__}: {error}"
         said = (f"Stay {cable.name} could not be assessed: {reason}",)
         return StayAnswer(cable, (), (), "failed", said, assumptions, reason)
-    tell(count, f"{cable.name}: done")
+    told(cable, count, "done")
     answer = StayAnswer(cable, tuple(answers), tuple(checks), "doubtful", (), assumptions)
     answer = replace(answer, verdict=verdict(answer))
     return replace(answer, sentences=(*stay_sentences(answer, bridge), *remedy_sentences(answer)))

@@ -97,7 +97,7 @@ class Question:
     sets: tuple[str, ...] = ("reconstructed", "reconstructed-cubic", "reconstructed-linear")
     samples: int = 32
     seed: int = 1
-    runs: int = 16
+    runs: int = 12
 
     def __post_init__(self) -> None:
         for name, low, high in (

@@ -4,7 +4,6 @@ Every coefficient set gives the same samples of rivulet and slopes; all of them 
 """
 
 from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from math import pi
 from typing import Any
@@ -33,7 +32,7 @@ from rainwind.physics.model import RivuletModel
 __all__ = ["Setting"]
 
 _SPEEDS = 64  # looked at, for the range
-_STEPS = 14  # of the observed speeds, for the amplitude
+_STEPS = 12  # of the observed speeds, for the amplitude
 _BUILD_UP_FROM = 0.1  # diameters
 _CYCLE_EDGES = (0.0, 0.1, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0)  # diameters
 _MID_SPAN = (
@@ -55,15 +54,14 @@ class _Set:
 class Setting:
     """What all modes of all stays share.
 
-    samples: (s,) of each scattered quantity by name; pool: of threads, for the sets.
+    samples: (s,) of each scattered quantity by name; workers: threads for the runs in time of one stay.
     """
 
     bridge: Bridge
     climate: Climate | None
     sets: tuple[CoefficientSet, ...]
     samples: Mapping[str, np.ndarray]
-    pool: ThreadPoolExecutor
-    workers: int | None
+    workers: int
 
     def mode(self, cable: Cable, mode: Mode, damped: DampedMode) -> ModeAnswer:
         """The answer of one mode, with the damping of the stay itself and of its dampers."""
@@ -77,9 +75,7 @@ class Setting:
         speed = np.geomspace(*question.speeds, _SPEEDS)
         observed = (speed >= limits.observed_speeds[0]) & (speed <= limits.observed_speeds[1])
 
-        fields = list(
-            self.pool.map(lambda one: self._set(cable, mode, one, ratio, gamma, weight * speed), self.sets)
-        )
+        fields = [self._set(cable, mode, one, ratio, gamma, weight * speed) for one in self.sets]
         ranges = [unstable_ranges(f.growth.rate, speed, f.onset / weight) for f in fields]
         low, high, opened = (np.concatenate(parts)[:, side] for parts in zip(*ranges, strict=True))
         needed = np.concatenate([damping_needed(f.growth, _everywhere(f))[0] for f in fields])
