@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from rainwind.engineering.criteria import rule_damping
 from rainwind.engineering.observed import observed_cases, stays_table
 from rainwind.engineering.sources import STATUS_WORDS
 from rainwind.plotting import style
 from rainwind.studies import field_observations
 from rainwind.studies.field_observations import Result
-from rainwind.studies.field_rivulets import SmallVibrations, one_size
-from rainwind.studies.field_tables import one_size_markdown
+from rainwind.studies.field_rivulets import Three, three_rules
+from rainwind.studies.field_tables import rules_markdown
 
 approx = pytest.approx
 ROOT = Path(__file__).parents[2]
 CASES = {case.name: case for case in observed_cases()}
-Pairs = tuple[tuple[SmallVibrations, SmallVibrations], ...]
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?")
 
 
@@ -29,8 +29,8 @@ def result() -> Result:
 
 
 @pytest.fixture(scope="module")
-def pairs() -> Pairs:
-    return one_size()
+def threes() -> tuple[Three, ...]:
+    return three_rules()
 
 
 # ---- what the sources say ----
@@ -102,19 +102,30 @@ def test_a_rig_that_stands_at_one_yaw_is_asked_for_no_other(result: Result):
 def test_what_the_page_calls_right_and_wrong_is_so(result: Result):
     for one in result.cases:
         first, last = one.modes[0], one.modes[-1]
-        # what holds: the onset's band overlaps the observed speeds
-        assert first.range_low.low < one.case.speeds[1]
-        assert first.range_low.high > one.case.speeds[0]
-        # no upper limit
-        assert first.range_high.high == approx(40.0)
-        assert first.unlimited >= 0.5
-        # the first mode has the largest amplitude and needs the most damping
+        # the onset's band overlaps the observed speeds, of all but one in every mode
+        for mode in one.modes:
+            assert mode.range_low.low < one.case.speeds[1]
+        early = one.case.name == "Fred Hartman 16S"
+        assert (first.range_low.high < one.case.speeds[0]) == early
+        # no upper limit: in no mode does the middle of the band end
+        for mode in one.modes:
+            assert mode.range_high.middle == approx(40.0)
+            assert mode.unlimited > 0.45
+        # the first mode has the largest amplitude and needs the most damping, more than the rule asks for
         if first is not last:
-            assert first.amplitude.middle > 2 * last.amplitude.middle
-            assert first.damping_needed.middle > 1.5 * last.damping_needed.middle
-            assert first.damping_needed_observed.middle > 2.5 * first.rule_damping
-    onsets = [one.modes[0].range_low.middle for one in result.cases]
-    assert np.argmax(onsets) == list(CASES).index("NRC rig at 30°")
+            assert first.amplitude.middle > 3 * last.amplitude.middle
+            assert first.damping_needed_observed.middle > 1.9 * last.damping_needed_observed.middle
+            assert first.damping_needed_observed.middle > 1.5 * first.rule_damping
+
+
+def test_what_the_page_says_of_both_ends_of_the_rule(threes: tuple[Three, ...]):
+    """Large stays with a rivulet of one size need less than the PTI rule asks for, with one of one shape more."""
+    for three in threes:
+        if three[0].mode == 1 and three[0].case.cable.diameter > 0.16:
+            least = rule_damping(three[0].case.cable, three[0].case.site.density)
+            _, size, shape = (one.needed.middle / least for one in three)
+            assert size < 0.85
+            assert shape > 2
 
 
 @pytest.mark.parametrize("name", ["speeds", "directions", "amplitudes", "damping"])
@@ -133,9 +144,9 @@ def test_the_tables_of_the_page_are_computed(result: Result, name: str):
             assert float(a) == approx(float(b), rel=0.15, abs=0.2)
 
 
-def test_small_vibrations_by_the_rule_are_those_of_the_assessment(pairs: Pairs, result: Result):
+def test_small_vibrations_by_the_rule_are_those_of_the_assessment(threes: tuple[Three, ...], result: Result):
     """Found apart, with the pieces of the assessment: the same bands."""
-    for rule, _ in pairs:
+    for rule, _, _ in threes:
         mode = result.named(rule.case.name).modes[rule.mode - 1]
         for band, other in (
             (rule.onset, mode.range_low),
@@ -149,20 +160,19 @@ def test_small_vibrations_by_the_rule_are_those_of_the_assessment(pairs: Pairs, 
         assert rule.open == mode.unlimited
 
 
-def test_a_rivulet_of_one_size(pairs: Pairs):
-    assert one_size_markdown(pairs) in (ROOT / "docs/validation.md").read_text(encoding="utf-8")
+def test_the_table_of_both_ends_of_the_rule_is_computed(threes: tuple[Three, ...]):
+    assert rules_markdown(threes) in (ROOT / "docs/validation.md").read_text(encoding="utf-8")
 
 
-def test_the_onset_goes_with_the_rivulets_weight_times_its_lever(pairs: Pairs):
-    """At one Froude number: U_n² is proportional to m_R (d + h) / d² (Peil & Nahrath 2003, eq. (6)).
+def test_the_onset_goes_with_the_root_of_the_rivulets_mass(threes: tuple[Three, ...]):
+    """At one Froude number and height: U_n² is proportional to m_R (Peil & Nahrath 2003, eq. (6)).
 
-    Where a range begins with the upper rivulet itself, as in first modes: by the rule m_R = 20 d² and h = d/10.
+    Of first modes: the latest ranges begin with the upper rivulet itself or just above. Mass 0.2 kg/m against 20 d².
     """
-    for rule, fixed in pairs:
-        if rule.mode == 1:
-            d = rule.case.cable.diameter
-            expected = sqrt(0.2 * (d + 0.01) / (20 * d**2 * 1.1 * d))
-            assert fixed.onset.middle / rule.onset.middle == approx(expected, rel=0.006)
+    for _, size, shape in threes:
+        if size.mode == 1:
+            d = size.case.cable.diameter
+            assert size.onset.high / shape.onset.high == approx(0.1 / d, rel=0.01)
 
 
 def test_the_page_says_what_was_assumed():

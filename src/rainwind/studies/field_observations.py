@@ -94,9 +94,8 @@ def _finish(
         Line2D([], [], color=style.GREY, label="the same, a mode not observed", **thick),
         Line2D([], [], color=style.BLACK, marker="|", markersize=6.5, markeredgewidth=1.3, linestyle="none",
                label="middle of the model's band"),
-        Line2D([], [], color=_MODEL, linewidth=0.8, marker="|", markersize=5.0,
-               label="middle of its begin to middle of its end"),
-        Line2D([], [], color=_MODEL, linewidth=0.8, marker=">", markersize=3.6, label=f"no end up to {TOP:.0f} m/s"),
+        Line2D([], [], color=_MODEL, linewidth=0.8, marker=">", markersize=3.6,
+               label=f"to the middle of its end (arrow: > {TOP:.0f} m/s)"),
     ]  # fmt: skip
     figure.legend(handles=handles, loc="outside upper left", ncols=3, columnspacing=1.6)
 

@@ -1,4 +1,4 @@
-"""The observed cases once more with another rivulet: what of the disagreement comes from the rule for its size.
+"""The observed cases at both ends of the rule for the rivulet: what of the disagreement comes from the rule.
 
 Small vibrations only, none is followed in time: a few seconds for all cases.
 """
@@ -14,17 +14,16 @@ from rainwind.engineering.inflow import beta, normal_factor, yaw
 from rainwind.engineering.linear_stability import damping_needed, growth
 from rainwind.engineering.modes import cable_modes
 from rainwind.engineering.observed import Observed, observed_cases
-from rainwind.engineering.rivulets import RIVULET_SCATTER, factors_at, sample_factors, usual_rivulet
+from rainwind.engineering.rivulets import RIVULET_SCATTER, SIZE, factors_at, sample_factors, usual_rivulet
 from rainwind.engineering.upper_rivulet import upper_rivulets, wind_speed_normal
 from rainwind.engineering.vibration_ranges import unstable_ranges
 from rainwind.engineering.wind_profile import mode_factor
-from rainwind.physics.rivulet import Rivulet
 from rainwind.studies.field_comparison import DIRECTIONS, SAMPLES, SETS, TOP
 
-__all__ = ["ONE_SIZE", "SmallVibrations", "one_size", "small_vibrations"]
+__all__ = ["ONE_SHAPE", "ONE_SIZE", "SmallVibrations", "Three", "small_vibrations", "three_rules"]
 
-ONE_SIZE = Rivulet(mass=0.2, height=0.01, friction=0.05)
-"""That of Peil & Nahrath (2003), section 3 (read), here on a stay of any diameter."""
+ONE_SIZE, ONE_SHAPE = 0.0, 2.0
+"""Both ends of the exponent with which a rivulet's mass goes with the diameter."""
 _SPEEDS = 64
 _BOTTOM = 3.0
 
@@ -45,25 +44,32 @@ class SmallVibrations:
     needed: Band
 
 
-def one_size() -> tuple[tuple[SmallVibrations, SmallVibrations], ...]:
-    """Of the first and the last mode of each case: by the rule for the diameter, and with `ONE_SIZE`."""
+Three = tuple[SmallVibrations, SmallVibrations, SmallVibrations]
+"""By the rule, with a rivulet of one size, with one of one shape."""
+
+
+def three_rules() -> tuple[Three, ...]:
+    """Of the first and the last mode of each case."""
     return tuple(
         (
             small_vibrations(case, mode),
             small_vibrations(case, mode, ONE_SIZE),
+            small_vibrations(case, mode, ONE_SHAPE),
         )
         for case in observed_cases()
         for mode in sorted({1, case.modes})
     )
 
 
-def small_vibrations(case: Observed, number: int, rivulet: Rivulet | None = None) -> SmallVibrations:
-    """As an assessment finds them; with a rivulet in place of that by the rule, where one is given."""
+def small_vibrations(case: Observed, number: int, exponent: float | None = None) -> SmallVibrations:
+    """As an assessment finds them; exponent: in all samples, in place of the scattered one of the rule."""
     cable = case.cable
-    by_rule = rivulet is None
-    rivulet = rivulet or usual_rivulet(cable.diameter)
+    rivulet = usual_rivulet(cable.diameter)
+    samples = dict(sample_factors(RIVULET_SCATTER, SAMPLES, 1))
+    if exponent is not None:
+        samples[SIZE] = np.full(SAMPLES, exponent)
+    factors = factors_at(samples, cable.diameter)
     mode = cable_modes(cable, number)[number - 1]
-    factors = factors_at(sample_factors(RIVULET_SCATTER, SAMPLES, 1), cable.diameter if by_rule else None)
     (name,) = SETS
     model = section_model(
         cable,

@@ -9,9 +9,9 @@ from rainwind.engineering.answers import Band, ModeAnswer
 from rainwind.engineering.criteria import rule_damping
 from rainwind.io.results import Column, Table
 from rainwind.studies.field_comparison import TOP, Comparison, Result
-from rainwind.studies.field_rivulets import SmallVibrations
+from rainwind.studies.field_rivulets import SmallVibrations, Three
 
-__all__ = ["markdown", "one_size_markdown", "tables"]
+__all__ = ["markdown", "rules_markdown", "tables"]
 
 PERCENT = 100.0
 
@@ -30,27 +30,24 @@ def markdown(result: Result) -> dict[str, str]:
     }
 
 
-def one_size_markdown(pairs: tuple[tuple[SmallVibrations, SmallVibrations], ...]) -> str:
-    """The fifth table: onset, end and damping by the rule for the rivulet, and with one of one size."""
-    rows = (_one_size_row(*pair) for pair in pairs)
-    return _markdown(_ONE_SIZE, rows)
+def rules_markdown(cases: tuple[Three, ...]) -> str:
+    """The fifth table: onset, end and damping by the rule for the rivulet, with one of one size and of one shape."""
+    return _markdown(_RULES, (_rules_row(*three) for three in cases))
 
 
-_ONE_SIZE = (
-    "case", "mode", "observed (m/s)", "onset, rule (m/s)", "onset, one size (m/s)", "end, rule (m/s)",
-    "end, one size (m/s)", "needed/PTI, rule", "needed/PTI, one size",
+_RULES = (
+    "case", "mode", "observed (m/s)", "onset, rule (m/s)", "onset, one size (m/s)", "onset, one shape (m/s)",
+    "middle of the end: rule, size, shape", "needed/PTI, rule", "needed/PTI, one size", "needed/PTI, one shape",
 )  # fmt: skip
 
 
-def _one_size_row(rule: SmallVibrations, fixed: SmallVibrations) -> tuple[str, ...]:
-    case = rule.case
+def _rules_row(*three: SmallVibrations) -> tuple[str, ...]:
+    case = three[0].case
     least = rule_damping(case.cable, case.site.density)
-    needed = [
-        f"{one.needed_observed.middle / least:.1f}, {one.needed.middle / least:.1f}" for one in (rule, fixed)
-    ]
     return (
-        case.name, f"{rule.mode}", _span(case.speeds, 0), _three(rule.onset, 1), _three(fixed.onset, 1),
-        _high(rule.end), _high(fixed.end), *needed,
+        case.name, f"{three[0].mode}", _span(case.speeds, 0), *(_three(one.onset, 1) for one in three),
+        ", ".join(_end(one.end.middle) for one in three),
+        *(f"{one.needed_observed.middle / least:.1f}, {one.needed.middle / least:.1f}" for one in three),
     )  # fmt: skip
 
 
@@ -136,8 +133,11 @@ def _three(band: Band, digits: int) -> str:
 
 def _high(band: Band) -> str:
     """The end of the range; the end of what was looked at is a >."""
-    values = (band.low, band.middle, band.high)
-    return " / ".join(f">{TOP:.0f}" if value > TOP - 1e-6 else f"{value:.0f}" for value in values)
+    return " / ".join(map(_end, (band.low, band.middle, band.high)))
+
+
+def _end(value: float) -> str:
+    return f">{TOP:.0f}" if value > TOP - 1e-6 else f"{value:.0f}"
 
 
 def _percents(band: Band) -> str:
