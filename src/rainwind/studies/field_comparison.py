@@ -1,8 +1,7 @@
 """The assessment of each stay and rig on which rain-wind vibrations were observed.
 
 Every case is assessed with its own observed speeds as those that decide on direction, amplitude and damping. One
-coefficient set with 32 samples, 12 of them followed in time: a report takes three sets, which move the bands less than
-the samples do, and follows 16.
+coefficient set, with as many samples as a report takes of each of three: sets move the bands less than samples do.
 """
 
 from dataclasses import dataclass
