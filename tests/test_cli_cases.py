@@ -81,6 +81,20 @@ def test_check_tells_faults_of_the_climate(tmp_path: Path):
     assert "line 2: direction_deg = 400 is not allowed" in output
 
 
+def test_check_tells_faults_of_the_climate_beside_those_of_the_case(tmp_path: Path):
+    path = tmp_path / "bridge.toml"
+    run("new", "--bridge", path)
+    (tmp_path / "wind.csv").write_text(
+        "time,speed_m_s,direction_deg,rain_mm_h\n2025-01-01,5,400,0\n2025-01-02,-5,40,0\n"
+    )
+    text = path.read_text(encoding="utf-8").replace("heading_deg = 90 ", "heading_deg = 400", 1)
+    path.write_text(text + '\n[climate]\nfile = "wind.csv"\n', encoding="utf-8")
+    output = run("check", path, code=2).output
+    assert "heading_deg = 400 is" in output
+    assert "wind.csv: 2 faults\n    line 2: direction_deg = 400 is not allowed" in output
+    assert "line 3: speed_m_s = -5 is not allowed" in output
+
+
 def test_schema_to_the_screen_or_a_file(tmp_path: Path):
     assert json.loads(run("schema").output) == case_schema()
     path = tmp_path / "a" / "case.schema.json"

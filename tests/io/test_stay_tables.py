@@ -85,6 +85,8 @@ def test_excel_and_its_sheets(tmp_path: Path):
         CaseError, match=r"line 3: file = 'stays.xlsx': has no sheet 'x'; it has notes, stays"
     ):
         bridge_from_text(case("stays.xlsx", 'sheet = "x"\n'), folder=tmp_path)
+    with pytest.raises(CaseError, match=r"first sheet, 'notes', others are 'stays': name one with sheet = "):
+        bridge_from_text(case("stays.xlsx"), folder=tmp_path)
     page["C3"] = "hundred"
     page["C4"] = -1
     book.save(tmp_path / "stays.xlsx")

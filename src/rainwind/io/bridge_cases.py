@@ -5,11 +5,12 @@ from typing import Any
 
 from rainwind.engineering.bridge import Bridge, ClimateSource, Limits, Question, Site
 from rainwind.engineering.cable import Cable
-from rainwind.errors import InputError
+from rainwind.errors import CaseError, InputError
 from rainwind.io.bridge_schema import BRIDGE_KEYS, BRIDGE_MARKS
 from rainwind.io.bridge_stays import read_stays
 from rainwind.io.case_keys import Given, check_top, read_table, refusal
 from rainwind.io.cases import case_content, case_file_text
+from rainwind.io.climate_files import read_climate
 from rainwind.io.faults import Faults
 from rainwind.io.lines import key_lines
 from rainwind.io.usual_bridge import unusual_bridge
@@ -61,6 +62,8 @@ def bridge_from_text(text: str, name: str = "case", folder: Path | None = None) 
         "climate": _climate(content, folder, faults),
         "rivulet": _rivulet(content, stays, faults),
     }
+    if faults.any and records["climate"] is not None:
+        _climate_faults(records["climate"], faults)
     faults.raise_any()
     said = {key: given.value for key, given in values["bridge"].items()}
     return Bridge(**({"name": Path(name).stem} | said), stays=stays, **records)
@@ -155,6 +158,14 @@ def _climate(content: dict[str, Any], folder: Path, faults: Faults) -> ClimateSo
             wrong = str(error)
             faults.add(refusal(numbers[name], given, error), "climate", given.key)
     return None if wrong else ClimateSource(**{name: given.value for name, given in fields.items()})
+
+
+def _climate_faults(source: ClimateSource, faults: Faults) -> None:
+    """What is wrong inside the file, beside the faults there are; of a case without any it is read later, and once."""
+    try:
+        read_climate(source)
+    except CaseError as error:
+        faults.behind(str(error))
 
 
 def _unreadable(path: Path) -> str:

@@ -7,6 +7,8 @@ from rainwind.errors import CaseError
 
 __all__ = ["Faults", "Part", "Place", "TableRow"]
 
+_LAST = 10**9  # behind the rows of every table
+
 
 @dataclass
 class Faults:
@@ -25,6 +27,15 @@ class Faults:
         while key and key not in self.lines:
             key = key[:-1]
         self.found.append((self.lines.get(key, 0), text))
+
+    @property
+    def any(self) -> bool:
+        """Whether a fault was found."""
+        return bool(self.found or self.elsewhere)
+
+    def behind(self, text: str) -> None:
+        """The faults of another file, told in its own words behind all others."""
+        self.elsewhere.append((_LAST, text.replace("\n", "\n  ")))
 
     def part(self, *path: str, label: str = "") -> "Part":
         """The place of the table at `path`; messages call it `label`, by default [its name]."""

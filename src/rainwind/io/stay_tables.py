@@ -48,10 +48,12 @@ def read_stay_rows(
     while table and str(table[0][1][0] or "").lstrip().startswith("#"):  # below the headers #12 may be a name
         table.pop(0)
     if not table:
-        raise InputError("is empty; write one row of headers, such as name, length_m, and one row a stay")
+        raise InputError(
+            f"is empty; write one row of headers, such as name, length_m, and one row a stay{_others(path, sheet)}"
+        )
     (first, headers), *rest = table
     if not rest:
-        raise InputError("has headers and no row below them; write one row a stay")
+        raise InputError(f"has headers and no row below them; write one row a stay{_others(path, sheet)}")
     columns = _columns(headers, keys, TableRow(faults, path.name, first, {}), defaults)
     texts = {key: str(headers[index]).strip() for index, key in columns.items()}
     return [_row(path.name, number, cells, columns, texts, keys, faults) for number, cells in rest]
@@ -167,6 +169,21 @@ def _excel_rows(path: Path, sheet: str | None) -> Iterator[tuple[int, list[Any]]
             yield number, list(cells)
     finally:
         book.close()
+
+
+def _others(path: Path, sheet: str | None) -> str:
+    """Of an Excel file whose first sheet was taken because none was named: the others, for a message."""
+    if sheet is not None or path.suffix.lower() not in _EXCEL:
+        return ""
+    import openpyxl
+
+    book = openpyxl.load_workbook(path, read_only=True)
+    first, *others = book.sheetnames
+    book.close()
+    if not others:
+        return ""
+    names = ", ".join(f"'{name}'" for name in others)
+    return f"; this is its first sheet, '{first}', others are {names}: name one with sheet = \"...\""
 
 
 def _blank(cell: Any) -> bool:
