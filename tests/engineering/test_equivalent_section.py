@@ -61,8 +61,22 @@ def test_it_swings_at_both_frequencies_of_the_mode(number, yaw):
 
 def test_a_flat_and_heavy_cable_that_snaps_through_is_refused():
     slack = replace(CABLE, tension=5e5, axial_stiffness=2e9)
-    with pytest.raises(InputError, match="snap through"):
+    with pytest.raises(
+        InputError, match=r"stay 'S' sags too much for this model.*tension, mass and axial stiff"
+    ):
         model(cable=slack)
+
+
+@pytest.mark.parametrize(("tension", "refused"), [(1.11e6, False), (1.09e6, True)])
+def test_the_most_sag_is_where_the_frequencies_are_apart_by_the_root_of_three(tension, refused):
+    stay = replace(CABLE, tension=tension, axial_stiffness=1.5e9, bending_stiffness=0.0)
+    first = cable_mode(stay, 1)
+    assert (first.frequency_in > 3**0.5 * first.frequency_out) == refused  # the case lies on the side it says
+    if refused:
+        with pytest.raises(InputError, match="sags too much"):
+            model(cable=stay)
+    else:
+        assert model(cable=stay).parameters["section.k3"] == first.k3
 
 
 def test_a_set_serves_as_well_as_its_name():

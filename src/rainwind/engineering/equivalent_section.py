@@ -1,7 +1,11 @@
 """The section that moves like one mode of a stay."""
 
+from math import pi
+
 from rainwind.engineering.cable import Cable
 from rainwind.engineering.modes import Mode
+from rainwind.engineering.sag import lambda_squared
+from rainwind.errors import InputError
 from rainwind.physics.coefficient_files import load_coefficients
 from rainwind.physics.coefficients import CoefficientSet, Outside
 from rainwind.physics.model import RivuletModel
@@ -30,6 +34,7 @@ def section_model(
     density of the air in kg/m³. Raises InputError, CaseError. docs/cables.md says what this leaves out.
     """
     chosen = coefficients if isinstance(coefficients, CoefficientSet) else load_coefficients(coefficients)
+    _need_a_tight_stay(cable, mode)
     section = CableSection(
         diameter=cable.diameter,
         mass=cable.mass,
@@ -45,3 +50,16 @@ def section_model(
         sag_offset=mode.sag_offset,
     )
     return RivuletModel(Wind(10.0, 0.0, density), section, rivulet, chosen, outside=outside)
+
+
+def _need_a_tight_stay(cable: Cable, mode: Mode) -> None:
+    """InputError, in words of the stay, for one whose section would snap through (`CableSection`, derived there)."""
+    least = cable.mass * (2 * pi * mode.frequency_out) ** 2
+    if mode.k3 * mode.sag_offset**2 < least:
+        return
+    raise InputError(
+        f"stay '{cable.name}' sags too much for this model: its sag raises mode {mode.number} from "
+        f"{mode.frequency_out:.3g} Hz out of plane to {mode.frequency_in:.3g} Hz in plane (lambda² = "
+        f"{lambda_squared(cable):.3g}), and a factor of 1.73 between them, lambda² of about 25 in mode 1, is the most "
+        "that one section stands for; check tension, mass and axial stiffness"
+    )
