@@ -80,3 +80,31 @@ def test_nothing_to_damp_needs_no_damping() -> None:
     ratio, point = damping_needed(rates, np.isfinite(rates.rate))
     assert ratio[0] == 0.0
     assert point[0] == -1
+
+
+def test_a_rivulet_that_only_damps_needs_no_damping() -> None:
+    """Wind up along the cable: even without any damping nothing grows. So 0, not nearly 0."""
+    speed, yaw = np.array([11.9, 12.0]), np.array([-0.8])
+    bare = MODEL.with_parameters({"section.damping_ratio": 0.0})
+    _, at_zero, _ = found(bare, speed, yaw, rivulet_mass=[0.4])
+    assert np.nanmax(at_zero.rate) < 0
+    _, rates, _ = found(MODEL, speed, yaw, rivulet_mass=[0.4])
+    assert damping_needed(rates, np.isfinite(rates.rate))[0][0] == 0.0
+
+
+def test_the_displacement_of_a_soft_cable_holds_the_forces() -> None:
+    """Strong wind on a cable that hardly holds: the springs are far from linear, and lift works against the sag."""
+    soft = MODEL.with_parameters(
+        {
+            "section.frequency_y": 0.15,
+            "section.frequency_z": 0.15,
+            "section.k3": 400.0,
+            "section.sag_offset": 0.3,
+        }
+    )
+    _, rates, _ = found(soft, np.array([20.0, 40.0]), np.array([0.0]))
+    for k, u in enumerate((20.0, 40.0)):
+        state = rates.state[0, 0, k]
+        assert as_system(soft.with_parameters({"wind.speed": u})).f(state) == pytest.approx(
+            np.zeros(6), abs=1e-9
+        )

@@ -76,3 +76,13 @@ def test_a_heavier_rivulet_needs_the_square_root_more_wind() -> None:
     onset = upper_rivulets(MODEL, factors(), np.array([0.0])).onset
     light, heavy = (wind_speed_normal(MODEL, onset, np.array([[m]]))[0, 0] for m in (0.1, 0.4))
     assert heavy / light == pytest.approx(2.0, rel=1e-12)
+
+
+def test_a_rivulet_without_weight_rests_where_the_moment_vanishes() -> None:
+    """A vertical stay: kappa has no end, and at rest C_M(-phi) = 0."""
+    steep = MODEL.with_parameters({"section.inclination": pi / 2})
+    beta = np.array([0.2])
+    found = upper_rivulets(steep, factors(), beta)
+    phi = found.angles(kappa_at(steep, np.full((1, 1, 1), 10.0), np.full((1, 1, 1), 0.2)))
+    assert np.isfinite(phi).all()
+    assert found.coefficients.at(-phi)[2] == pytest.approx(0.0, abs=1e-12)

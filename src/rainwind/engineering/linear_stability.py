@@ -15,7 +15,8 @@ __all__ = ["Growth", "damping_needed", "growth", "states_at_rest"]
 
 MASS, RATIO = "rivulet.mass", "section.damping_ratio"
 SPEED, YAW = "wind.speed", "wind.yaw"
-_RESTS = 6  # Newton steps for y and z
+_RESTS = 50  # Newton steps for y and z, at most
+_AT_REST = 1e-13  # m, of a step
 _CANDIDATES = 6
 _SECANTS = 12
 _MOST = 0.5  # damping ratio: beyond it the word vibration says nothing
@@ -99,7 +100,10 @@ def _displaced(
         h_zz = k_z + 2 * k3 * (e_z * e_z + stretch)
         h_yz = 2 * k3 * e_y * e_z
         det = h_yy * h_zz - h_yz * h_yz
-        y, z = y - (h_zz * r_y - h_yz * r_z) / det, z - (h_yy * r_z - h_yz * r_y) / det
+        step_y, step_z = (h_zz * r_y - h_yz * r_z) / det, (h_yy * r_z - h_yz * r_y) / det
+        y, z = y - step_y, z - step_z
+        if np.nanmax(np.hypot(step_y, step_z), initial=0.0) < _AT_REST:
+            break
     return y, z
 
 
@@ -143,7 +147,7 @@ def damping_needed(found: Growth, inside: np.ndarray) -> tuple[np.ndarray, np.nd
 
 
 def _needed_at(found: Growth, chosen: np.ndarray, guess: np.ndarray) -> np.ndarray:
-    """The ratio at which the rate is zero at the points chosen (s, c), by secants from a guess."""
+    """The ratio at which the rate is zero at the points chosen (s, c), by secants; 0 where none is needed."""
     many = found.rate.shape[0]
 
     def at(values: np.ndarray) -> np.ndarray:
@@ -167,4 +171,4 @@ def _needed_at(found: Growth, chosen: np.ndarray, guess: np.ndarray) -> np.ndarr
         r_b = rate(b)
         if np.nanmax(np.abs(step), initial=0.0) < 1e-9:
             break
-    return b
+    return np.where(rate(np.zeros_like(b)) > 0, b, 0.0)

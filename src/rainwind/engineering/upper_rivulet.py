@@ -45,7 +45,9 @@ class UpperRivulet:
         for i, row in enumerate(self._curves):
             for j, (at, phi) in enumerate(row):
                 if at.size:
-                    found[i, j] = np.interp(kappa[i, j], at, phi, left=np.nan, right=np.nan)
+                    # a vertical stay has more than that: nothing weighs on its rivulet
+                    inside = np.minimum(kappa[i, j], _ENDLESS)
+                    found[i, j] = np.interp(inside, at, phi, left=np.nan, right=np.nan)
         return self._polished(found, kappa)
 
     def _polished(self, phi: np.ndarray, kappa: np.ndarray) -> np.ndarray:
