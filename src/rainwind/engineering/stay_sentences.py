@@ -1,14 +1,15 @@
 """What the numbers of a stay mean: its verdict, and sentences an engineer can act on."""
 
 from collections.abc import Iterator, Sequence
-from math import degrees
+from math import floor, log10
 
 from rainwind.engineering.answers import Band, ModeAnswer, StayAnswer, Verdict
 from rainwind.engineering.bridge import Bridge
+from rainwind.engineering.wording import compass, share
 
 __all__ = ["stay_sentences", "verdict"]
 
-_POINTS = ("N", "NE", "E", "SE", "S", "SW", "W", "NW")
+_MOST_MARGIN = 10.0  # printed
 
 
 def verdict(answer: StayAnswer) -> Verdict:
@@ -49,7 +50,7 @@ def _said(answer: StayAnswer, mode: ModeAnswer, bridge: Bridge) -> Iterator[str]
     yield _rule_and_model(mode)
     if mode.unlimited > 0:
         yield (
-            f"In {100 * mode.unlimited:.0f} % of the samples mode {mode.number} is still unstable at "
+            f"In {share(mode.unlimited)} of the samples mode {mode.number} is still unstable at "
             f"{bridge.question.speeds[1]:g} m/s: at low damping the model has no upper limit of wind speed. Rivulets "
             f"have been observed at {observed[0]:g} to {observed[1]:g} m/s."
         )
@@ -69,17 +70,23 @@ def _range(answer: StayAnswer, observed: Sequence[float]) -> str:
             "With the damping there is, the model finds no rain-wind vibration at any wind speed looked at."
         )
     mode = max(hit, key=lambda one: (one.range_low.share, -one.margin))
-    upper = min(mode.range_high.middle, observed[1])
-    within = (
-        f"; within the observed speeds {max(mode.range_low.middle, observed[0]):.1f} to {upper:.1f} m/s"
-        if upper < mode.range_high.middle
+    low, high = mode.range_low.middle, mode.range_high.middle
+    lower, upper = max(low, observed[0]), min(high, observed[1])
+    within = ""
+    if lower >= upper:
+        within = f"; the middle of the band lies outside the observed speeds, {observed[0]:g} to {observed[1]:g} m/s"
+    elif (lower, upper) != (low, high):
+        within = f"; within the observed speeds {lower:.1f} to {upper:.1f} m/s"
+    worst = (
+        f", worst with wind from {compass(mode.worst_direction)}"
+        if mode.damping_needed_observed.high > 0
         else ""
     )
     modes = ", ".join(str(one.number) for one in hit)
     return (
         f"Rain-wind vibration is possible in mode{'s' if len(hit) > 1 else ''} {modes}: mode {mode.number} from "
         f"{_band(mode.range_low, 1, '.1f')} to {_band(mode.range_high, 1, '.1f')} m/s{within}, in "
-        f"{100 * mode.range_low.share:.0f} % of the samples, worst with wind from {compass(mode.worst_direction)}."
+        f"{share(mode.range_low.share)} of the samples{worst}."
     )
 
 
@@ -87,11 +94,12 @@ def _amplitude(answer: StayAnswer, bridge: Bridge) -> str:
     mode = max(answer.modes, key=lambda one: one.amplitude.high)
     diameter = answer.cable.diameter
     if mode.amplitude.high < 0.05 * diameter:
-        return "In time no sample vibrates by more than a twentieth of a diameter."
+        return "In time hardly a sample vibrates by more than a twentieth of a diameter."
     limit = bridge.limits.amplitude_diameters
     verdict_ = "above" if mode.amplitude.high > limit * diameter else "within"
+    amplitude = _band(mode.amplitude, 1, _digits(mode.amplitude.middle))
     return (
-        f"Amplitude in mode {mode.number}, half peak to peak: {_band(mode.amplitude, 1, '.2f')} m "
+        f"Amplitude in mode {mode.number}, half peak to peak: {amplitude} m "
         f"({mode.amplitude.high / diameter:.1f} diameters at the high end, {verdict_} the limit of {limit:g})."
     )
 
@@ -99,10 +107,11 @@ def _amplitude(answer: StayAnswer, bridge: Bridge) -> str:
 def _damping(mode: ModeAnswer) -> str:
     needed = mode.damping_needed_observed
     if not needed.high > 0:
-        return f"Mode {mode.number} needs no damping at the observed wind speeds."
+        return "At the observed wind speeds no mode needs damping."
+    margin = f"{mode.margin:.2f}" if mode.margin < _MOST_MARGIN else f"above {_MOST_MARGIN:g}"
     return (
         f"Mode {mode.number} decides: it has {100 * mode.damping_total:.2f} % of critical and needs "
-        f"{_band(needed, 100, '.2f')} % (margin {mode.margin:.2f} at the high end)."
+        f"{_band(needed, 100, _digits(100 * needed.high))} % (margin {margin} at the high end)."
     )
 
 
@@ -122,12 +131,12 @@ def _rule_and_model(mode: ModeAnswer) -> str:
     return f"{begin}: they agree."
 
 
+def _digits(value: float) -> str:
+    """How a value is printed: two decimals, and more where that left less than two digits of it."""
+    more = 1 - floor(log10(value)) if value > 0 else 2
+    return f".{min(max(more, 2), 3)}f"
+
+
 def _band(band: Band, scale: float, digits: str) -> str:
     low, middle, high = (format(scale * value, digits) for value in (band.low, band.middle, band.high))
     return f"{middle} ({low} to {high})"
-
-
-def compass(direction: float) -> str:
-    """A direction in words: "SW (230 deg)"."""
-    turned = degrees(direction) % 360.0
-    return f"{_POINTS[round(turned / 45.0) % 8]} ({turned:.0f}°)"

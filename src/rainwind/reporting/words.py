@@ -1,9 +1,10 @@
 """How a report says things: numbers, bands, directions, verdicts; a value that does not exist is "none"."""
 
 from dataclasses import dataclass, replace
-from math import floor, isinf, isnan, log10, pi
+from math import floor, isinf, isnan, log10
 
 from rainwind.engineering.answers import Band, BridgeAnswer, ModeAnswer, StayAnswer, Verdict
+from rainwind.engineering.wording import NONE, compass, share
 
 __all__ = [
     "VERDICTS", "VerdictWords", "amplitude_mode", "band", "band_lines", "band_parts", "compass",
@@ -11,10 +12,8 @@ __all__ = [
     "shortened", "speed_range", "stays", "summary_row", "summary_rows", "unbroken",
 ]  # fmt: skip
 
-NONE = "none"
 _NOTHING = 1e-6  # of any unit printed: less is rounding
 NOT_NEEDED = "no damping needed"
-_POINTS = ("N", "NNE", "NE", "ENE", "E", "ESE", "SE", "SSE", "S", "SSW", "SW", "WSW", "W", "WNW", "NW", "NNW")
 
 
 @dataclass(frozen=True)
@@ -89,24 +88,6 @@ def margin(value: float) -> str:
     if isinf(value):
         return NOT_NEEDED
     return number(value, 2)
-
-
-def share(value: float) -> str:
-    """A share 0 to 1 as per cent; what is neither none nor all is never rounded to either."""
-    percent = round(100 * value)
-    if percent == 0 and value > 0:
-        return "less than 1 %"
-    if percent == 100 and value < 1:
-        return "more than 99 %"
-    return f"{percent} %"
-
-
-def compass(direction: float) -> str:
-    """A direction in rad clockwise from north as "135° (SE)"; nan is "none"."""
-    if isnan(direction):
-        return NONE
-    degrees = round(direction * 180 / pi) % 360
-    return f"{degrees}° ({_POINTS[round(degrees / 22.5) % 16]})"
 
 
 def joined(names: list[str], most: int = 12) -> str:
