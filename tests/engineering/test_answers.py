@@ -6,7 +6,7 @@ from math import inf, nan
 import numpy as np
 import pytest
 
-from rainwind.engineering.answer_store import AnswerStore
+from rainwind.engineering.answer_store import _ROOT, AnswerStore, _program
 from rainwind.engineering.answers import Band, CodeCheck, ModeAnswer, StayAnswer
 from rainwind.engineering.bridge import Bridge
 from rainwind.engineering.cable import Cable, Damper
@@ -77,3 +77,14 @@ def test_a_folder_that_is_a_file_is_refused(tmp_path) -> None:
     (tmp_path / "x").write_text("")
     with pytest.raises(InputError, match="cannot be used"):
         AnswerStore(tmp_path / "x", BRIDGE, (), None)
+
+
+def test_a_changed_program_has_another_name(tmp_path) -> None:
+    (tmp_path / "physics").mkdir()
+    file = tmp_path / "physics" / "x.py"
+    file.write_text("A = 1")
+    before = _program(tmp_path)
+    assert before == _program(tmp_path)
+    file.write_text("A = 2")
+    assert before != _program(tmp_path)
+    assert _program(_ROOT) != _program(tmp_path / "nowhere")  # the real one has files

@@ -7,10 +7,13 @@ import numpy as np
 import pytest
 
 from rainwind.engineering import assessment, mode_assessment
+from rainwind.engineering.answers import StayAnswer
 from rainwind.engineering.assessment import assess
 from rainwind.engineering.bridge import Bridge, Limits, Question
 from rainwind.engineering.cable import Cable, Damper
 from rainwind.engineering.climate import Climate
+from rainwind.engineering.dampers import DampedMode
+from rainwind.errors import InputError
 from rainwind.physics.rivulet import Rivulet
 
 # the sample case of Peil & Nahrath (2003) as a stay: 1 Hz, soft strands, so that its stretching hardly counts
@@ -176,3 +179,109 @@ def test_an_interrupt_stops_all_stays_that_are_computed_together(tmp_path) -> No
     kept = len(list(tmp_path.glob("stay-*.json")))
     assert kept >= len(answer.stays)
     assert len(assess(many, checkpoint=tmp_path, workers=2).stays) == 8
+
+
+def test_a_vertical_stay_is_like_one_that_is_nearly_vertical() -> None:
+    modes = [
+        assess(replace(BRIDGE, stays=(replace(PAPER, inclination=radians(angle)),))).stays[0].modes[0]
+        for angle in (89.999, 90.0)
+    ]
+    near, upright = (mode.damping_needed.high for mode in modes)
+    assert upright == pytest.approx(near, rel=1e-2)
+    assert upright > 0.0
+
+
+def test_a_horizontal_stay_meets_no_wind_along_it() -> None:
+    mode = assess(replace(BRIDGE, stays=(replace(PAPER, inclination=0.0),))).stays[0].modes[0]
+    assert np.isnan(mode.speed_low[[0, 2]]).all()
+    assert np.isfinite(mode.speed_low[[1, 3]]).all()
+
+
+def test_observed_speeds_between_two_that_are_looked_at() -> None:
+    narrow = replace(BRIDGE, limits=Limits(observed_speeds=(10.0, 10.1)))
+    mode = assess(narrow).stays[0].modes[0]
+    assert 0.0 < mode.damping_needed_observed.middle <= mode.damping_needed.middle
+
+
+def test_no_rivulet_at_all_is_an_answer(unscattered) -> None:
+    """Below 3 m/s there is none: no range, no damping needed, nothing that does not exist in the sentences."""
+    still = replace(
+        BRIDGE, question=replace(ONE, speeds=(1.0, 3.0)), limits=Limits(observed_speeds=(1.0, 3.0))
+    )
+    stay = assess(still).stays[0]
+    (mode,) = stay.modes
+    assert not mode.range_low.exists
+    assert not mode.build_up.exists
+    assert mode.damping_needed.high == 0.0
+    assert mode.margin == np.inf
+    assert not any("nan" in sentence for sentence in stay.sentences)
+
+
+def test_a_stay_without_damping_is_insufficient() -> None:
+    stay = assess(replace(BRIDGE, stays=(replace(PAPER, damping_ratios=(0.0,)),))).stays[0]
+    assert stay.verdict == "insufficient"
+    assert stay.margin == 0.0
+
+
+def test_a_mode_that_a_damper_stops_is_an_answer(monkeypatch) -> None:
+    """All but gone, it has no shape, and so its damper no stroke: a band that does not exist."""
+    gone = DampedMode(1, 0.01, 0.995, (np.nan,))
+    monkeypatch.setattr(assessment, "_least_damped", lambda *_: [gone])
+    stay = assess(replace(BRIDGE, stays=(replace(PAPER, dampers=(Damper(40.0, 2e4),)),))).stays[0]
+    (mode,) = stay.modes
+    assert mode.stroke is not None
+    assert mode.force is not None
+    assert not mode.stroke.exists
+    assert not mode.force.exists
+    assert stay.verdict == "sufficient"
+
+
+def test_a_climate_without_rain_has_no_hours_with_rain() -> None:
+    dry = Climate(
+        np.full(4, 12.0), 2 * pi * np.arange(4) / 4, np.zeros(4, dtype=bool), np.full(4, 2190.0), 10.0
+    )
+    mode = assess(BRIDGE, dry).stays[0].modes[0]
+    assert mode.hours is not None
+    assert mode.hours_dry is not None
+    assert mode.cycles is not None
+    assert mode.hours.high == 0.0 == mode.cycles.sum()
+    assert mode.hours_dry.middle > 0.0
+
+
+def test_the_amplitude_at_15_is_checked_only_where_it_is_known() -> None:
+    slow, usual = (
+        assess(replace(BRIDGE, limits=Limits(observed_speeds=bounds))).stays[0]
+        for bounds in ((5.0, 12.0), (5.0, 18.0))
+    )
+    at_15 = [[check.what for check in stay.checks if "15 m/s" in check.what] for stay in (slow, usual)]
+    assert at_15[0] == []
+    assert len(at_15[1]) == 4
+
+
+@pytest.mark.parametrize("workers", [0, -1, 1.5])
+def test_a_number_of_threads_that_is_none_is_refused(workers) -> None:
+    with pytest.raises(InputError, match="workers"):
+        assess(BRIDGE, workers=workers)
+
+
+def test_observed_speeds_outside_those_looked_at_are_refused() -> None:
+    with pytest.raises(InputError, match="observed_speeds"):
+        replace(BRIDGE, limits=Limits(observed_speeds=(41.0, 50.0)))
+
+
+def test_a_full_disk_stops_the_other_stays(tmp_path, monkeypatch) -> None:
+    many = replace(BRIDGE, stays=tuple(replace(PAPER, name=f"S{k}") for k in range(4)))
+    begun: list[str] = []
+
+    def stay(setting, cable, told):
+        begun.append(cable.name)
+        return StayAnswer(cable, (), (), "failed", ())
+
+    def full(self, answer):
+        raise OSError("no space left")
+
+    monkeypatch.setattr(assessment, "_stay", stay)
+    monkeypatch.setattr(assessment.AnswerStore, "keep", full)
+    with pytest.raises(OSError, match="no space"):
+        assess(many, checkpoint=tmp_path, workers=1)
+    assert len(begun) < 4

@@ -18,6 +18,8 @@ from rainwind.errors import InputError
 
 __all__ = ["AnswerStore"]
 
+_ROOT = Path(__file__).parents[1]
+_ROOMS = ("dynamics", "engineering", "physics")
 _CLASSES = {kind.__name__: kind for kind in (Band, Cable, CodeCheck, Damper, ModeAnswer, StayAnswer)}
 
 
@@ -37,7 +39,7 @@ class AnswerStore:
                 f"checkpoint: {folder} cannot be used ({error.strerror}); check the path"
             ) from error
         shared = (bridge.site, bridge.rivulet, bridge.limits, bridge.question)
-        self._shared = f"{__version__} {shared!r} {sets!r} {_climate_text(climate)}"
+        self._shared = f"{__version__} {_program(_ROOT)} {shared!r} {sets!r} {_climate_text(climate)}"
 
     def kept(self, cable: Cable) -> StayAnswer | None:
         """The answer of an earlier run with the same inputs; None without one, or where its file is damaged."""
@@ -60,6 +62,14 @@ class AnswerStore:
     def _path(self, cable: Cable) -> Path:
         digest = hashlib.sha256(f"{self._shared} {cable!r}".encode()).hexdigest()[:20]
         return self.folder / f"stay-{digest}.json"
+
+
+def _program(root: Path) -> str:
+    """Something that changes when the code behind an answer does, also between two versions."""
+    found = hashlib.sha256()
+    for file in sorted(file for room in _ROOMS for file in (root / room).rglob("*.py")):
+        found.update(file.read_bytes())
+    return found.hexdigest()
 
 
 def _climate_text(climate: Any) -> str:

@@ -71,9 +71,10 @@ class ModeAnswer:
     share: (d,) of samples with such a range. worst_direction: rad, that which needs the most damping.
     range_low, range_high: over all directions; unlimited: share of samples in which the range reaches the highest
     speed looked at. amplitude: half peak to peak, m, the largest at any speed in the worst direction, in the range
-    where rivulets have been observed; speeds (k,) and amplitudes (k, 3): its band over speed. amplitude_dampers, ...:
-    with the stay's dampers, None without any. damping_needed: ratio above which no direction and speed is unstable;
-    damping_needed_observed: the same over the observed speeds only. rule_damping: ratio that the PTI rule asks for.
+    where rivulets have been observed; speeds (k,) and amplitudes (k, 3): its band over speed. amplitude_undamped,
+    amplitudes_undamped: without the stay's dampers, None where it has none. damping_needed: ratio above which no
+    direction and speed is unstable; damping_needed_observed: the same over the observed speeds only. rule_damping:
+    ratio that the PTI rule asks for.
     lost: (k,) share of samples that lose their rivulet before a steady vibration; their amplitude is the largest
     until then. build_up: s from a tenth of a diameter to the amplitude. stroke, force: of the damper, m and N.
     uplift: mean displacement of mid-span upwards by the wind's lift, m. hours: a year, in the range with rain, None

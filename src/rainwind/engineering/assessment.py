@@ -7,8 +7,9 @@ upper rivulet grow; the amplitude is that of runs in time in the direction that 
 
 import os
 from collections.abc import Callable, Iterator
-from concurrent.futures import CancelledError, ThreadPoolExecutor
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from dataclasses import replace
+from math import nan
 from pathlib import Path
 from threading import Event, Lock
 from time import perf_counter
@@ -21,7 +22,7 @@ from rainwind.engineering.bridge import Bridge
 from rainwind.engineering.cable import Cable
 from rainwind.engineering.climate import Climate
 from rainwind.engineering.criteria import code_checks
-from rainwind.engineering.dampers import DampedMode, damped_modes
+from rainwind.engineering.dampers import DampedMode, damped_modes, whole_number
 from rainwind.engineering.mode_assessment import Setting
 from rainwind.engineering.modes import cable_modes
 from rainwind.engineering.remedies import remedy_sentences
@@ -58,6 +59,8 @@ def assess(
     sets = tuple(load_coefficients(name) for name in bridge.question.sets)
     samples = sample_factors(RIVULET_SCATTER, bridge.question.samples, bridge.question.seed)
     store = AnswerStore(checkpoint, bridge, sets, climate) if checkpoint is not None else None
+    if workers is not None:
+        whole_number("workers", workers)
     threads = workers or os.cpu_count() or 1
     together = min(threads, len(bridge.stays))
     setting = Setting(bridge, climate, sets, samples, max(1, threads // together))
@@ -82,9 +85,10 @@ def assess(
                 done.append(future.result())
             except (KeyboardInterrupt, CancelledError):
                 interrupted = True
-                told.stop.set()
-                for other in futures:
-                    other.cancel()
+                _stop(told, futures)
+            except BaseException:  # such as a full disk: not the others' work first
+                _stop(told, futures)
+                raise
     notes = tuple(climate.notes) if climate is not None else ()
     return BridgeAnswer(bridge, tuple(done), perf_counter() - begin, case_text, interrupted, notes)
 
@@ -110,6 +114,13 @@ class _Told:
             except KeyboardInterrupt:
                 self.stop.set()
                 raise
+
+
+def _stop(told: _Told, futures: list[Future[StayAnswer]]) -> None:
+    """No stay begins any more, and those that are computed stop."""
+    told.stop.set()
+    for future in futures:
+        future.cancel()
 
 
 def _stay(setting: Setting, cable: Cable, told: _Told) -> StayAnswer:
@@ -147,7 +158,9 @@ def _least_damped(cable: Cable, count: int) -> list[DampedMode]:
 
 
 def _amplitude_at(answers: list[ModeAnswer], speed: float) -> float:
-    """The largest of the modes' amplitudes at a speed, at the band's high end, m."""
+    """The largest of the modes' amplitudes at a speed, at the band's high end, m; nan beyond the speeds looked at."""
+    if not answers[0].speeds[0] <= speed <= answers[0].speeds[-1]:
+        return nan
     found = [np.interp(speed, a.speeds, np.nan_to_num(a.amplitudes[:, 2])) for a in answers]
     return float(max(found))
 

@@ -145,3 +145,9 @@ class Bridge:
         twice = sorted({name for name in names if names.count(name) > 1})
         if twice:
             raise InputError(f"two stays have the name {', '.join(map(repr, twice))}; give each its own")
+        observed, speeds = self.limits.observed_speeds, self.question.speeds
+        if observed[0] >= speeds[1] or observed[1] <= speeds[0]:
+            raise InputError(
+                f"limits.observed_speeds = ({observed[0]:g}, {observed[1]:g}) lie outside assessment.speeds = "
+                f"({speeds[0]:g}, {speeds[1]:g}); the damping needed is looked for where both overlap"
+            )

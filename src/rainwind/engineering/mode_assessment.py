@@ -32,6 +32,7 @@ from rainwind.physics.model import RivuletModel
 __all__ = ["Setting"]
 
 _SPEEDS = 64  # looked at, for the range
+_FEWEST = 8  # of them, where the observed speeds lie between two
 _STEPS = 12  # of the observed speeds, for the amplitude
 _BUILD_UP_FROM = 0.1  # diameters
 _CYCLE_EDGES = (0.0, 0.1, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0)  # diameters
@@ -72,7 +73,7 @@ class Setting:
         # winds from both sides of the stay's plane are mirror images: each yaw once
         gamma, side = np.unique(np.round(yaw(directions, cable.heading), 12), return_inverse=True)
         weight = mode_factor(cable, mode, site)  # wind at the cable over that at the reference height
-        speed = np.geomspace(*question.speeds, _SPEEDS)
+        speed = _looked_at(question.speeds, limits.observed_speeds)
         observed = (speed >= limits.observed_speeds[0]) & (speed <= limits.observed_speeds[1])
 
         fields = [self._set(cable, mode, one, ratio, gamma, weight * speed) for one in self.sets]
@@ -208,6 +209,15 @@ class Setting:
         """The wind at the reference height over that at the anemometer."""
         assert self.climate is not None
         return 1.0 / speed_factor(self.bridge.site, self.climate.height)
+
+
+def _looked_at(speeds: tuple[float, float], observed: tuple[float, float]) -> np.ndarray:
+    """Wind speeds (n,), rising evenly on a logarithmic scale; more where hardly one of them is an observed speed."""
+    grid = np.geomspace(*speeds, _SPEEDS)
+    low, high = max(speeds[0], observed[0]), min(speeds[1], observed[1])
+    if np.count_nonzero((grid >= low) & (grid <= high)) < 2:
+        grid = np.unique(np.concatenate([grid, np.linspace(low, high, _FEWEST)]))
+    return grid
 
 
 def _clipped(low: np.ndarray, high: np.ndarray, bounds: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:

@@ -38,7 +38,8 @@ def damper_remedy(answer: StayAnswer, level: str) -> Remedy:
         least = design_for(cable, targets, 2.0 * max(targets.values()) * cable.length).least_position
         if not isfinite(least) or 1.5 * least > FARTHEST * cable.length:
             return Remedy(targets, None)
-        return Remedy(targets, design_for(cable, targets, 1.5 * least))
+        design = design_for(cable, targets, 1.5 * least)
+        return Remedy(targets, design if isfinite(design.low) else None)
     except RainwindError:
         return Remedy(targets, None)
 
