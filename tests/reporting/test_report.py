@@ -22,9 +22,10 @@ from rainwind.reporting.first_page import first_page
 from rainwind.reporting.picture_pages import picture_pages
 from rainwind.reporting.quantities import QUANTITIES, columns
 from rainwind.reporting.report import write_report
+from rainwind.reporting.stay_pages import stay_pages
 from rainwind.reporting.text_table import harmless
 
-from .sample_answer import CASE_TEXT, NASTY, nasty_answer, sample_answer
+from .sample_answer import CASE_TEXT, NASTY, damped_mode, nasty_answer, sample_answer
 
 
 @pytest.fixture(scope="module")
@@ -424,3 +425,31 @@ def test_nasty_names_are_not_run_by_the_typesetter(nasty):
     boxes = re.findall(rb"/MediaBox\s*\[([^\]]+)\]", (nasty / "report.pdf").read_bytes())
     assert boxes
     assert {tuple(round(float(x)) for x in box.split()) for box in boxes} == {(0, 0, 595, 842)}
+
+
+def test_cycles_of_all_modes_stand_in_one_table_with_the_digits_they_have(answer):
+    stay = replace(
+        answer.stays[0], modes=(damped_mode(1), replace(damped_mode(2), cycles=np.array([0.4, 362668, 0])))
+    )
+    tables = [
+        block
+        for section in stay_pages(replace(answer, stays=(stay,)))
+        for block in section.blocks
+        if isinstance(block, Table) and block.caption.startswith("Cycles")
+    ]
+    (table,) = tables
+    assert table.header == ("Amplitude (m)", "0 to 0.1", "0.1 to 0.2", "0.2 to 0.4")
+    rows = [[cell.text for cell in row] for row in table.rows]
+    assert rows == [["Mode 1", "1200", "34000", "560"], ["Mode 2", "0", "360000", "0"]]
+
+
+def test_limits_of_codes_are_round_numbers(answer):
+    whole = texts(stay_pages(answer))
+    assert {"at least 10", "at least 0.5 %"} <= set(whole)
+
+
+@pytest.mark.parametrize(("samples", "few"), [(19, True), (20, False)])
+def test_few_samples_are_called_few(answer, samples, few):
+    asked = replace(answer.bridge.question, samples=samples, sets=("a", "b", "c"))
+    said = " ".join(texts([first_page(replace(answer, bridge=replace(answer.bridge, question=asked)))]))
+    assert ("So few samples" in said) == few

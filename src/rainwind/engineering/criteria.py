@@ -99,7 +99,7 @@ def _checks(
         yield _check(rule, what, scruton, _limit(cable), "", "at least", source)
     yield _check(
         "FHWA",
-        "surface treatment (1: there is one)",
+        "number of surface treatments",
         float(cable.surface != "smooth"),
         1.0,
         "",

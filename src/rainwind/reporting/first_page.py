@@ -53,13 +53,17 @@ def _asked(answer: BridgeAnswer) -> str:
     )
 
 
+_ENOUGH = 60  # samples: of fewer, less than three lie beyond an end of a band
+
+
 def _samples(answer: BridgeAnswer) -> str:
     asked = answer.bridge.question
     total = asked.samples * len(asked.sets)
     sets = len(asked.sets)
+    few = " So few samples give no more than a rough idea of a band's ends." if total < _ENOUGH else ""
     return (
         f"Bands are 5, 50 (middle) and 95 % of {total} samples ({asked.samples} of rivulet and slopes with "
-        f"{sets} coefficient set{'' if sets == 1 else 's'})."
+        f"{sets} coefficient set{'' if sets == 1 else 's'}).{few}"
     )
 
 

@@ -21,8 +21,8 @@ def draw(mode: ModeAnswer, axes: Axes, observed: tuple[float, float], highest: f
     axes.set_theta_direction(-1)  # type: ignore[attr-defined]
     width = 2 * np.pi / len(mode.directions)
     for (low, high), color, label in (
-        ((mode.speed_low[:, 0], mode.speed_high[:, 2]), "#BFD9EA", "5 % of the begin to 95 % of the end"),
-        ((mode.speed_low[:, 1], mode.speed_high[:, 1]), style.BLUE, "middle to middle"),
+        ((mode.speed_low[:, 0], mode.speed_high[:, 2]), "#BFD9EA", "band, at its widest (5 to 95 %)"),
+        ((mode.speed_low[:, 1], mode.speed_high[:, 1]), style.BLUE, "middle of the band"),
     ):
         there = np.isfinite(low) & np.isfinite(high)
         axes.bar(

@@ -40,9 +40,7 @@ def _stay(stay: StayAnswer) -> Iterator[Block]:
     yield Points(stay.sentences)
     for begin in range(0, len(stay.modes), _BESIDE):
         yield _modes(stay, stay.modes[begin : begin + _BESIDE])
-    for mode in stay.modes:
-        if mode.cycles is not None and mode.cycle_edges is not None and mode.cycles.sum() > 0:
-            yield _cycles(mode)
+    yield from _cycles([mode for mode in stay.modes if mode.cycles is not None and mode.cycles.sum() > 0])
     if stay.checks:
         yield _checks(stay.checks)
 
@@ -83,18 +81,25 @@ def _modes(stay: StayAnswer, modes: Sequence[ModeAnswer]) -> Table:
     return Table(header, tuple(rows), widths=widths)
 
 
-def _cycles(mode: ModeAnswer) -> Table:
-    assert mode.cycles is not None
-    assert mode.cycle_edges is not None
-    edges = mode.cycle_edges
-    header = ("Amplitude (m)", *(f"{a:.3g} to {b:.3g}" for a, b in pairwise(edges)))
-    row = ("Cycles a year", *(words.number(float(count), 2) for count in mode.cycles))
-    return Table(
-        header,
-        (tuple(Cell(text) for text in row),),
-        f"Mode {mode.number}: cycles a year by amplitude; full vibration from the first minute of rain is more than "
-        "there will be.",
-    )
+def _cycles(modes: Sequence[ModeAnswer]) -> Iterator[Table]:
+    """One row a mode, for modes with the same bins of amplitude; those of a stay have."""
+    binned = [(mode.number, mode.cycles, mode.cycle_edges) for mode in modes]
+    for edges, same in groupby(binned, key=lambda one: () if one[2] is None else tuple(one[2].tolist())):
+        rows = [
+            (f"Mode {number}", *(_rounded(float(count)) for count in cycles))
+            for number, cycles, _ in same
+            if cycles is not None
+        ]
+        header = ("Amplitude (m)", *(f"{a:.2g} to {b:.2g}" for a, b in pairwise(edges)))
+        first = 0.09
+        widths = (first, *[(1 - first) / max(len(edges) - 1, 1)] * (len(edges) - 1))
+        yield Table(
+            header,
+            tuple(tuple(Cell(text) for text in row) for row in rows),
+            "Cycles a year by amplitude, half peak to peak; full vibration from the first minute of rain is more than "
+            "there will be.",
+            widths,
+        )
 
 
 def _checks(checks: Sequence[CodeCheck]) -> Table:
@@ -103,10 +108,18 @@ def _checks(checks: Sequence[CodeCheck]) -> Table:
             Cell(one.rule),
             Cell(one.what),
             Cell(f"{words.number(one.value)} {one.unit}".strip()),
-            Cell(f"{one.sense} {words.number(one.limit)} {one.unit}".strip()),
+            Cell(f"{one.sense} {one.limit:.3g} {one.unit}".strip()),
             Cell("✓ met" if one.passes else "✗ not met", "pass" if one.passes else "fail"),
         )
         for one in checks
     )
     header = ("Rule", "What", "Value", "Asked", "")
-    return Table(header, rows, "Codes and guidelines.", (0.14, 0.42, 0.14, 0.17, 0.13), (0, 1, 4))
+    caption = (
+        "Codes and guidelines, for the mode with the least damping; amplitudes at the high end of the band."
+    )
+    return Table(header, rows, caption, (0.14, 0.42, 0.14, 0.17, 0.13), (0, 1, 4))
+
+
+def _rounded(count: float) -> str:
+    """A whole number of two significant digits: more the counts do not carry."""
+    return f"{float(f'{count:.2g}'):.0f}"
