@@ -7,8 +7,9 @@ import numpy as np
 
 from rainwind.dynamics.system import as_system
 from rainwind.engineering.upper_rivulet import UpperRivulet, kappa_at
+from rainwind.physics.letters import Letters
 from rainwind.physics.model import RivuletModel
-from rainwind.physics.oblique_wind import beta, normal_factor
+from rainwind.physics.tension import spring_forces, spring_stiffness
 from rainwind.physics.tilted import ScatteredModel
 
 __all__ = ["Growth", "damping_needed", "growth", "states_at_rest"]
@@ -70,35 +71,24 @@ def states_at_rest(
     model: RivuletModel, rivulet: UpperRivulet, parameters: Mapping[str, np.ndarray]
 ) -> np.ndarray:
     """The states (s, g, n, 6) at rest on D; nan where there is none."""
-    yaw, section = parameters[YAW], model.section
-    normal = parameters[SPEED] * normal_factor(yaw, section.inclination)
-    phi = rivulet.angles(kappa_at(model, normal, parameters[MASS]))
+    at = model.letters({**model.parameters, **parameters})
+    if at.k3 is None:
+        at = at._replace(k3=0.0)
+    phi = rivulet.angles(kappa_at(model, at.u_n, parameters[MASS]))
     lift, drag, _ = rivulet.coefficients.at(-phi)
-    pressure = 0.5 * model.wind.density * section.diameter * normal**2
-    y, z = _displaced(model, -pressure * lift, pressure * drag, beta(yaw, section.inclination))
+    pressure = 0.5 * at.rho * at.d * at.u_n**2
+    y, z = _displaced(at, -pressure * lift, pressure * drag)
     rest = np.zeros_like(phi)
     return np.stack([y, phi, z, rest, rest, rest], axis=-1)
 
 
-def _displaced(
-    model: RivuletModel, f_y: np.ndarray, f_z: np.ndarray, turned: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """y and z in m under forces in N/m: the springs of an equivalent section, linear and of the cable's stretching."""
-    section = model.section
-    k_y, k_z = section.stiffness_y, section.stiffness_z
-    k3, sag = section.k3 or 0.0, section.sag_offset or 0.0
-    a_y, a_z = sag * np.cos(turned), -sag * np.sin(turned)
-    y, z = f_y / k_y, f_z / k_z
-    if k3 == 0.0:
-        return y, z
+def _displaced(at: Letters, f_y: np.ndarray, f_z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """y and z in m where the springs hold these forces in N/m, by Newton's method; one position holds each."""
+    y, z = f_y / at.k_y, f_z / at.k_z
     for _ in range(_RESTS):
-        stretch = a_y * y + a_z * z + 0.5 * (y * y + z * z)
-        e_y, e_z = a_y + y, a_z + z
-        r_y = k_y * y + 2 * k3 * stretch * e_y - f_y
-        r_z = k_z * z + 2 * k3 * stretch * e_z - f_z
-        h_yy = k_y + 2 * k3 * (e_y * e_y + stretch)
-        h_zz = k_z + 2 * k3 * (e_z * e_z + stretch)
-        h_yz = 2 * k3 * e_y * e_z
+        r_y, r_z = spring_forces(at, y, z)
+        r_y, r_z = r_y - f_y, r_z - f_z
+        h_yy, h_yz, h_zz = spring_stiffness(at, y, z)
         det = h_yy * h_zz - h_yz * h_yz
         step_y, step_z = (h_zz * r_y - h_yz * r_z) / det, (h_yy * r_z - h_yz * r_y) / det
         y, z = y - step_y, z - step_z

@@ -41,15 +41,13 @@ def rest_position(at: Letters, force_y: float, force_z: float, freedoms: int) ->
     both = freedoms == 3
 
     def excess(y: float, z: float) -> tuple[float, float]:
-        t_y, t_z = tension_forces(at, y, z)
-        g_y = y * (at.k_y + y * (at.k_y2 + y * at.k_y3)) + t_y - force_y
-        g_z = z * (at.k_z + z * (at.k_z2 + z * at.k_z3)) + t_z - force_z
-        return g_y, g_z if both else 0.0
+        g_y, g_z = spring_forces(at, y, z)
+        return g_y - force_y, g_z - force_z if both else 0.0
 
     y, z = 0.0, 0.0
     g_y, g_z = excess(y, z)
     for _ in range(_MOST_STEPS):
-        h_yy, h_yz, h_zz = _stiffness(at, y, z)
+        h_yy, h_yz, h_zz = spring_stiffness(at, y, z)
         if not both:
             h_yz, h_zz = 0.0, 1.0
         # the 2 by 2 system by elimination: positive definite, so that both pivots are above zero
@@ -74,8 +72,17 @@ def rest_position(at: Letters, force_y: float, force_z: float, freedoms: int) ->
     return y, z, isfinite(loads) and hypot(g_y, g_z) <= 1e-12 * loads
 
 
-def _stiffness(at: Letters, y: float, z: float) -> tuple[float, float, float]:
-    """The Hessian of all springs' energy: yy, yz, zz, N/m² per metre."""
+def spring_forces(at: Letters, y: Any, z: Any) -> tuple[Any, Any]:
+    """What all springs, tension and the cable's own, pull back with in y and z, N per metre; numbers or arrays."""
+    t_y, t_z = tension_forces(at, y, z)
+    return (
+        y * (at.k_y + y * (at.k_y2 + y * at.k_y3)) + t_y,
+        z * (at.k_z + z * (at.k_z2 + z * at.k_z3)) + t_z,
+    )
+
+
+def spring_stiffness(at: Letters, y: Any, z: Any) -> tuple[Any, Any, Any]:
+    """The Hessian of all springs' energy: yy, yz, zz, N/m² per metre; numbers or arrays."""
     from_y, from_z, pull = y + at.s_y, z + at.s_z, at.k3 * _twice_stretch(at, y, z)
     return (
         at.k_y + y * (2 * at.k_y2 + 3 * y * at.k_y3) + pull + 2 * at.k3 * from_y * from_y,
