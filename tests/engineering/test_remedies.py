@@ -53,7 +53,7 @@ def test_what_no_damper_can_add_is_said() -> None:
     assert damper_remedy(stay, "high").design is None
     middle, high = remedy_sentences(stay)
     assert "kNs/m" in middle
-    assert "more than one damper near the anchorage can do" in high
+    assert "no single damper near the anchorage can do that" in high
 
 
 def test_enough_damping_needs_no_remedy() -> None:
@@ -61,3 +61,10 @@ def test_enough_damping_needs_no_remedy() -> None:
     assert not list(remedy_sentences(answer(Band(0.1, 0.2, 0.3), verdict="sufficient")))
     failed = replace(answer(), failure="no tension")
     assert not list(remedy_sentences(failed))
+
+
+def test_a_little_damping_far_in_is_said_without_exponents() -> None:
+    """0.02 % more: a damper 6 cm from the anchorage of thousands of kNs/m."""
+    (sentence,) = remedy_sentences(answer(Band(0.0, 0.001, 0.0012)))
+    assert "e+" not in sentence
+    assert "(0.0 %" not in sentence

@@ -46,7 +46,7 @@ def test_a_range_beyond_the_observed_speeds_is_not_within_them() -> None:
     text = said(mode(range_low=Band(20.0, 25.0, 30.0, 0.5), range_high=Band(40.0, 40.0, 40.0, 0.5)))
     assert "within the observed" not in text
     assert "outside the observed speeds, 5 to 18 m/s" in text
-    assert "in 50 % of the samples." in text
+    assert "40.0 (40.0 to 40.0) m/s in 50 % of the samples; the middle" in text
     assert "worst with wind" not in text  # of no wind at these speeds
 
 

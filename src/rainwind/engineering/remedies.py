@@ -65,9 +65,15 @@ def _sentence(answer: StayAnswer, remedy: Remedy, where: str) -> str:
     most = 100 * remedy.targets[worst]
     begin = f"For {where} of the band a damper would have to add up to {most:.2f} % (mode {worst})"
     if design is None:
-        return f"{begin}: more than one damper near the anchorage can do; see the inputs, the surface and cross-ties."
+        return f"{begin}: no single damper near the anchorage can do that; see the inputs, the surface and cross-ties."
     share = 100 * design.least_position / cable.length
+    low, high = (_three_digits(value / 1e3) for value in (design.low, design.high))
     return (
-        f"{begin}: it must stand at least {design.least_position:.2f} m from its anchorage ({share:.1f} % of the "
-        f"length); at {design.position:.2f} m {design.low / 1e3:.3g} to {design.high / 1e3:.3g} kNs/m will do."
+        f"{begin}: it must stand at least {design.least_position:.2f} m from its anchorage ({share:.2g} % of the "
+        f"length); at {design.position:.2f} m {low} to {high} kNs/m will do."
     )
+
+
+def _three_digits(value: float) -> str:
+    """A number with three digits that count, without an exponent."""
+    return f"{float(f'{value:.3g}'):g}"

@@ -57,8 +57,8 @@ def _said(answer: StayAnswer, mode: ModeAnswer, bridge: Bridge) -> Iterator[str]
     for one in answer.modes:
         if one.lost is not None and one.lost.max() >= 0.5:
             yield (
-                f"In mode {one.number} most samples lose their rivulet at some wind speeds before a steady "
-                "vibration is reached; the amplitude given is the largest until then."
+                f"In mode {one.number} half of the samples or more lose their rivulet at some wind speeds before a "
+                "steady vibration is reached; the amplitude given is the largest until then."
             )
             break
 
@@ -78,15 +78,15 @@ def _range(answer: StayAnswer, observed: Sequence[float]) -> str:
     elif (lower, upper) != (low, high):
         within = f"; within the observed speeds {lower:.1f} to {upper:.1f} m/s"
     worst = (
-        f", worst with wind from {compass(mode.worst_direction)}"
+        f"; worst with wind from {compass(mode.worst_direction)}"
         if mode.damping_needed_observed.high > 0
         else ""
     )
     modes = ", ".join(str(one.number) for one in hit)
     return (
         f"Rain-wind vibration is possible in mode{'s' if len(hit) > 1 else ''} {modes}: mode {mode.number} from "
-        f"{_band(mode.range_low, 1, '.1f')} to {_band(mode.range_high, 1, '.1f')} m/s{within}, in "
-        f"{share(mode.range_low.share)} of the samples{worst}."
+        f"{_band(mode.range_low, 1, '.1f')} to {_band(mode.range_high, 1, '.1f')} m/s in "
+        f"{share(mode.range_low.share)} of the samples{within}{worst}."
     )
 
 
@@ -117,7 +117,8 @@ def _damping(mode: ModeAnswer) -> str:
 
 def _rule_and_model(mode: ModeAnswer) -> str:
     rule, needed = 100 * mode.rule_damping, 100 * mode.damping_needed_observed.middle
-    begin = f"The PTI rule asks for {rule:.2f} %, the model for {needed:.2f} % (middle)"
+    model = f"for {needed:{_digits(needed)}} %" if needed > 0 else "for none"
+    begin = f"The PTI rule asks for {rule:.2f} %, the model {model} (middle)"
     if needed > 1.25 * rule:
         return (
             f"{begin}: what the model asks for falls as the frequency and the rivulet's friction rise, and the rule's "
