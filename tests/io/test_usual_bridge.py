@@ -53,6 +53,11 @@ def test_shipped_examples_are_usual(path: Path):
         ({"tension": 3.2e5}, "tension and mass make a stress of 41.9 MPa if all mass is steel"),
         ({"tension": 1.2e7}, "tension and mass make a stress of 1.57e+03 MPa"),
         ({"axial_stiffness": 1.6e6}, "tension and axial_stiffness make a strain of 200 %"),
+        (
+            # (60 kg/m * 9.81 m/s² * 170 m * cos(35 deg) / 0.85 MN)² * 1600 MN / 0.85 MN = 17.5, over 1.001
+            {"tension": 8.5e5, "axial_stiffness": 1.6e9, "length": 170.0},
+            "its sag makes lambda² = 17.5, which is unusual",
+        ),
         ({"bending_stiffness": 9e8}, "L sqrt(T/EI) = 7.75, which is unusual"),
         (
             {"dampers": (Damper(4.0, 140.0),)},

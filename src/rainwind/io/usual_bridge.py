@@ -8,6 +8,7 @@ from math import inf, pi, radians, sqrt
 
 from rainwind.engineering.bridge import Bridge
 from rainwind.engineering.cable import Cable
+from rainwind.engineering.sag import lambda_squared
 from rainwind.io.bridge_schema import BRIDGE_KEYS
 from rainwind.io.units import written
 from rainwind.io.usual import SOLID, Range, is_usual, usual_sentence
@@ -37,6 +38,7 @@ _FREQUENCY = (0.1, 10.0)
 _STRESS = (100e6, 1200e6)
 _STRAIN = (0.0005, 0.01)
 _OF_BEST = (0.01, 100.0)
+_SAG = 15.0  # lambda²; the longest stays have about 2
 _STEEL = 7850.0  # kg/m³
 
 
@@ -86,6 +88,12 @@ def _of_stay(stay: Cable) -> Iterator[str]:
         yield (
             f"tension and mass make a stress of {stress / 1e6:.3g} MPa if all mass is steel, which is unusual: usual "
             f"is {_STRESS[0] / 1e6:g} to {_STRESS[1] / 1e6:g} MPa; strands break at 1860 ({_JUDGED})"
+        )
+    sag = lambda_squared(stay)
+    if sag > _SAG:
+        yield (
+            f"its sag makes lambda² = {sag:.3g}, which is unusual: stays have less than 3, and one beyond about 25 is "
+            f"not computed; are tension, mass and length right? ({_JUDGED})"
         )
     yield from _of_stiffness(stay)
     yield from _of_dampers(stay)
