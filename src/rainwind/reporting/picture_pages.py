@@ -100,7 +100,9 @@ def _round(
         )  # from the anemometer to the reference height
         rose = wind_rose(climate, directions, _ROSE, wet=True, factor=factor)
         pictures.append(lambda axes: rose_picture.draw(rose, axes, low=low, high=high))
-        hatched = "; hatched: the middle of that range" if low is not None else ""
+        hatched = (
+            "; hatched: the middle of that range, rim: directions that have one" if low is not None else ""
+        )
         captions.append(
             f"{'Right: h' if ranged else 'H'}ours a year with rain by direction and speed of the wind, at "
             f"{site.reference_height:g} m{hatched}."
