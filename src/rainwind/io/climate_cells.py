@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from rainwind.errors import CaseError
+from rainwind.io.csv_text import csv_text
 from rainwind.io.stay_tables import key_of_header
 from rainwind.io.units import has_decimal_comma
 
@@ -80,7 +81,7 @@ def read_cells(path: Path, example: str) -> Cells:
     Blank lines and lines that begin with # are skipped. Raises CaseError for a file that is no text, has no records,
     or has rows with another number of cells than the header.
     """
-    text = _text(path)
+    text = csv_text(path, "wind and rain")
     kept = [(i, line) for i, line in enumerate(text.splitlines(), 1) if line.strip(" ,;\t\ufeff")]
     kept = [(i, line) for i, line in kept if not line.lstrip().startswith("#")]
     if len(kept) < 2:
@@ -103,18 +104,6 @@ def read_cells(path: Path, example: str) -> Cells:
             cells.fault(i, f"has {len(row)} cells where the header names {len(header)}{advice}")
     cells.raise_any()
     return cells
-
-
-def _text(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError as error:
-        raise CaseError(f"{path}: no such file; name a CSV file of wind and rain") from error
-    except UnicodeDecodeError as error:
-        raise CaseError(f"{path}: not a text file in UTF-8; save it as CSV in UTF-8") from error
-    except OSError as error:
-        reason = "a folder" if path.is_dir() else error.strerror
-        raise CaseError(f"{path}: cannot be read ({reason}); name a CSV file of wind and rain") from error
 
 
 def _split(line: str, parts: str) -> list[str]:

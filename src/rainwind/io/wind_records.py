@@ -10,7 +10,8 @@ import numpy as np
 
 from rainwind.dynamics.records import GAP, gaps_in, record
 from rainwind.dynamics.signals import Signal
-from rainwind.errors import CaseError, InputError
+from rainwind.errors import InputError
+from rainwind.io.csv_text import csv_text
 from rainwind.io.faults import Faults
 from rainwind.io.units import KINDS, Kind, has_decimal_comma, number, to_si
 from rainwind.io.usual import FASTEST
@@ -59,7 +60,7 @@ def read_wind(
     """
     path = Path(path)
     faults = Faults(str(path), {})
-    rows = _rows(_text_of(path))
+    rows = _rows(csv_text(path, "a wind record"))
     columns = _columns(rows, faults)
     _raise(faults)
     values, places = _values(rows[1:], columns, faults)
@@ -70,18 +71,6 @@ def read_wind(
     t = values.pop("time")
     signals = {name: record(t - t[0], column, kind, gaps=gaps) for name, column in values.items()}
     return WindRecord(signals["speed"], signals.get("vertical_speed"), float(t[0]))
-
-
-def _text_of(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError as error:
-        raise CaseError(f"{path}: no such file; name a CSV file of a wind record") from error
-    except UnicodeDecodeError as error:
-        raise CaseError(f"{path}: not a text file in UTF-8; save it as CSV in UTF-8") from error
-    except (OSError, ValueError) as error:
-        reason = "a folder" if path.is_dir() else getattr(error, "strerror", None) or error
-        raise CaseError(f"{path}: cannot be read ({reason}); name a CSV file of a wind record") from error
 
 
 def _rows(text: str) -> list[tuple[int, list[str]]]:
