@@ -166,6 +166,20 @@ def test_cycles_are_the_mean_over_samples_of_the_hours_in_the_range() -> None:
     assert mode.hours.middle > 0.0
 
 
+def test_a_stay_that_is_done_when_the_interrupt_comes_is_kept(tmp_path) -> None:
+    two = replace(BRIDGE, stays=(PAPER, replace(PAPER, name="second")))
+
+    def stop(done: int, total: int, what: str) -> None:
+        if what == "paper: done":
+            raise KeyboardInterrupt
+
+    answer = assess(two, checkpoint=tmp_path, progress=stop, workers=1)
+    assert answer.interrupted
+    assert [stay.cable.name for stay in answer.stays] == ["paper"]
+    assert len(list(tmp_path.glob("stay-*.json"))) == 1
+    assert not assess(BRIDGE, progress=stop).interrupted  # nothing is missing
+
+
 def test_an_interrupt_stops_all_stays_that_are_computed_together(tmp_path) -> None:
     many = replace(BRIDGE, stays=tuple(replace(PAPER, name=f"S{k}") for k in range(8)))
 

@@ -6,8 +6,9 @@ upper rivulet grow; the amplitude is that of runs in time in the direction that 
 """
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import replace
 from math import nan
 from pathlib import Path
@@ -18,6 +19,7 @@ import numpy as np
 
 from rainwind.engineering.answer_store import AnswerStore
 from rainwind.engineering.answers import BridgeAnswer, ModeAnswer, StayAnswer
+from rainwind.engineering.assumptions import assumption_sentences
 from rainwind.engineering.bridge import Bridge
 from rainwind.engineering.cable import Cable
 from rainwind.engineering.climate import Climate
@@ -26,7 +28,7 @@ from rainwind.engineering.dampers import DampedMode, damped_modes, whole_number
 from rainwind.engineering.mode_assessment import Setting
 from rainwind.engineering.modes import cable_modes
 from rainwind.engineering.remedies import remedy_sentences
-from rainwind.engineering.rivulets import RIVULET_SCATTER, sample_factors, usual_rivulet
+from rainwind.engineering.rivulets import RIVULET_SCATTER, sample_factors
 from rainwind.engineering.stay_sentences import stay_sentences, verdict
 from rainwind.errors import RainwindError
 from rainwind.physics.coefficient_files import load_coefficients
@@ -74,6 +76,8 @@ def assess(
         found = _stay(setting, cable, told)
         if store is not None and not found.failure:
             store.keep(found)
+        with suppress(KeyboardInterrupt):  # it stops the others; this stay is done
+            told(cable, bridge.question.modes, "failed" if found.failure else "done")
         return found
 
     done: list[StayAnswer] = []
@@ -127,7 +131,7 @@ def _stay(setting: Setting, cable: Cable, told: _Told) -> StayAnswer:
     """One stay; a failure is an answer."""
     bridge = setting.bridge
     count = bridge.question.modes
-    assumptions = tuple(_assumptions(bridge, cable))
+    assumptions = tuple(assumption_sentences(bridge, cable))
     try:
         modes = cable_modes(cable, count)
         damped = _least_damped(cable, count)
@@ -140,11 +144,9 @@ def _stay(setting: Setting, cable: Cable, told: _Told) -> StayAnswer:
             amplitude_at_15=_amplitude_at(answers, 15.0),
         )  # fmt: skip
     except _FAILURES as error:
-        told(cable, count, "failed")
         reason = f"{error}" if isinstance(error, RainwindError) else f"{type(error).__name__}: {error}"
         said = (f"Stay {cable.name} could not be assessed: {reason}",)
         return StayAnswer(cable, (), (), "failed", said, assumptions, reason)
-    told(cable, count, "done")
     answer = StayAnswer(cable, tuple(answers), tuple(checks), "doubtful", (), assumptions)
     answer = replace(answer, verdict=verdict(answer))
     return replace(answer, sentences=(*stay_sentences(answer, bridge), *remedy_sentences(answer)))
@@ -163,19 +165,3 @@ def _amplitude_at(answers: list[ModeAnswer], speed: float) -> float:
         return nan
     found = [np.interp(speed, a.speeds, np.nan_to_num(a.amplitudes[:, 2])) for a in answers]
     return float(max(found))
-
-
-def _assumptions(bridge: Bridge, cable: Cable) -> Iterator[str]:
-    if cable.assumed:
-        yield f"Not measured, assumed in the input: {', '.join(cable.assumed)}."
-    if cable.axial_stiffness is None:
-        yield (
-            f"Axial stiffness {cable.estimated_axial_stiffness / 1e6:.0f} MN, estimated from the tension: strands at "
-            "40 % of 1860 MPa with 195 GPa."
-        )
-    if bridge.rivulet is None:
-        rivulet = usual_rivulet(cable.diameter)
-        yield (
-            f"Rivulet by the rule for the diameter: {rivulet.mass:.3g} kg/m, {1000 * rivulet.height:.3g} mm high, "
-            f"friction {rivulet.friction:.3g} Nms/m; nobody measured it on this stay."
-        )

@@ -77,11 +77,11 @@ def _range(answer: StayAnswer, observed: Sequence[float]) -> str:
         within = f"; the middle of the band lies outside the observed speeds, {observed[0]:g} to {observed[1]:g} m/s"
     elif (lower, upper) != (low, high):
         within = f"; within the observed speeds {lower:.1f} to {upper:.1f} m/s"
-    worst = (
-        f"; worst with wind from {compass(mode.worst_direction)}"
-        if mode.damping_needed_observed.high > 0
-        else ""
-    )
+    worst = ""
+    if mode.damping_needed_observed.high > 0:
+        mirrored = 2 * answer.cable.heading - mode.worst_direction  # the same wind from the stay's other side
+        both = dict.fromkeys((compass(mode.worst_direction), compass(mirrored)))
+        worst = f"; worst with wind from {' or '.join(both)}"
     modes = ", ".join(str(one.number) for one in hit)
     return (
         f"Rain-wind vibration is possible in mode{'s' if len(hit) > 1 else ''} {modes}: mode {mode.number} from "
