@@ -10,7 +10,7 @@ from rainwind.engineering.answers import Band, ModeAnswer, StayAnswer
 from rainwind.engineering.criteria import EUROCODE, PTI, TWICE
 from rainwind.reporting import words
 
-__all__ = ["QUANTITIES", "Quantity", "columns", "scaled", "values"]
+__all__ = ["QUANTITIES", "Quantity", "columns", "in_degrees", "scaled", "values"]
 
 Value = float | Band | None
 
@@ -87,6 +87,11 @@ def _percent(value: float) -> str:
     return words.share(value / 100)
 
 
+def in_degrees(direction: float) -> float:
+    """A direction of the wind without the dust of pi: 60, not 59.99999999999999."""
+    return round(degrees(direction), 9)
+
+
 def _wind(degrees_: float) -> str:
     return words.compass(radians(degrees_))
 
@@ -118,7 +123,9 @@ QUANTITIES: tuple[Quantity, ...] = (
     Quantity(_RANGE, "range begins", "m/s", lambda s, m: m.range_low, 2, True),
     Quantity(_RANGE, "range ends", "m/s", lambda s, m: m.range_high, 2, True),
     Quantity(_RANGE, "range open, share of samples", "%", lambda s, m: 100 * m.unlimited, said=_percent),
-    Quantity(_RANGE, "worst direction, wind from", "°", lambda s, m: degrees(m.worst_direction), said=_wind),
+    Quantity(
+        _RANGE, "worst direction, wind from", "°", lambda s, m: in_degrees(m.worst_direction), said=_wind
+    ),
     Quantity(_SIZE, "amplitude, half peak to peak", "m", lambda s, m: m.amplitude, 2, True),
     Quantity(_SIZE, "amplitude, peak to peak", "m", lambda s, m: scaled(m.amplitude, 2), 2, True),
     Quantity(_SIZE, "amplitude in diameters", "D", lambda s, m: _times_diameter(m.amplitude, s), 2, True),

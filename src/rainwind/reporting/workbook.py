@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from io import BytesIO
-from math import degrees, isinf, isnan, nan
+from math import isinf, isnan, nan
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from rainwind.engineering.sources import SOURCES
 from rainwind.reporting import words
 from rainwind.reporting.back_pages import LIMITS, assumptions
 from rainwind.reporting.first_page import RECONSTRUCTED, key_sentences, next_steps
-from rainwind.reporting.quantities import columns, values
+from rainwind.reporting.quantities import columns, in_degrees, values
 
 __all__ = ["workbook"]
 
@@ -134,7 +134,14 @@ def _directions(sheet: Worksheet, answer: BridgeAnswer) -> None:
         "Share of samples with a range",
     )
     rows = [
-        [stay.cable.name, mode.number, degrees(direction), *map(float, low), *map(float, high), float(share)]
+        [
+            stay.cable.name,
+            mode.number,
+            in_degrees(direction),
+            *map(float, low),
+            *map(float, high),
+            float(share),
+        ]
         for stay in answer.stays
         for mode in stay.modes
         for direction, low, high, share in zip(
