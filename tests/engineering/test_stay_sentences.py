@@ -68,6 +68,8 @@ def test_small_numbers_keep_digits_and_large_margins_lose_them() -> None:
     text = said(mode(damping_needed_observed=needed, amplitude=Band(0.004, 0.012, 0.02)))
     assert "needs 0.010 (0.000 to 0.015) % (margin above 10 at the high end)" in text
     assert "0.012 (0.004 to 0.020) m" in text
+    # 0.2 % there, over 8 % needed, as the table beside it says
+    assert "(margin 0.025 at the high end)" in said(mode(damping_needed_observed=Band(0.01, 0.02, 0.08)))
     assert "0.50 (0.20 to 0.90) m" in said(mode(amplitude=Band(0.2, 0.5, 0.9)))
 
 

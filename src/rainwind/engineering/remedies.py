@@ -70,7 +70,7 @@ def _sentence(answer: StayAnswer, remedy: Remedy, where: str) -> str:
     low, high = (_three_digits(value / 1e3) for value in (design.low, design.high))
     return (
         f"{begin}: it must stand at least {design.least_position:.2f} m from its anchorage ({share:.2g} % of the "
-        f"length); at {design.position:.2f} m {low} to {high} kNs/m will do."
+        f"length); at {design.position:.2f} m, a coefficient of {low} to {high} kNs/m will do."
     )
 
 

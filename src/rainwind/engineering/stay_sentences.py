@@ -108,7 +108,9 @@ def _damping(mode: ModeAnswer) -> str:
     needed = mode.damping_needed_observed
     if not needed.high > 0:
         return "At the observed wind speeds no mode needs damping."
-    margin = f"{mode.margin:.2f}" if mode.margin < _MOST_MARGIN else f"above {_MOST_MARGIN:g}"
+    margin = (
+        f"{mode.margin:{_digits(mode.margin)}}" if mode.margin < _MOST_MARGIN else f"above {_MOST_MARGIN:g}"
+    )
     return (
         f"Mode {mode.number} decides: it has {100 * mode.damping_total:.2f} % of critical and needs "
         f"{_band(needed, 100, _digits(100 * needed.high))} % (margin {margin} at the high end)."
