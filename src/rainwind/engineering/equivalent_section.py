@@ -53,13 +53,14 @@ def section_model(
 
 
 def _need_a_tight_stay(cable: Cable, mode: Mode) -> None:
-    """InputError, in words of the stay, for one whose section would snap through (`CableSection`, derived there)."""
+    """InputError, in words of the stay, for one whose section would snap through (`CableSection`, derived there).
+
+    That is where sag raises the mode in plane by a factor of sqrt(3): in mode 1 at lambda² of about 25.
+    """
     least = cable.mass * (2 * pi * mode.frequency_out) ** 2
     if mode.k3 * mode.sag_offset**2 < least:
         return
     raise InputError(
-        f"stay '{cable.name}' sags too much for this model: its sag raises mode {mode.number} from "
-        f"{mode.frequency_out:.3g} Hz out of plane to {mode.frequency_in:.3g} Hz in plane (lambda² = "
-        f"{lambda_squared(cable):.3g}), and a factor of 1.73 between them, lambda² of about 25 in mode 1, is the most "
-        "that one section stands for; check tension, mass and axial stiffness"
+        f"stay '{cable.name}' sags too much for this model in mode {mode.number}: lambda² = {lambda_squared(cable):.3g}, "
+        "about 25 is the most; check tension, mass and axial stiffness"
     )
