@@ -69,3 +69,12 @@ def test_a_little_damping_far_in_is_said_without_exponents() -> None:
     (sentence,) = remedy_sentences(answer(Band(0.0, 0.001, 0.0012)))
     assert "e+" not in sentence
     assert "(0.0 %" not in sentence
+
+
+def test_a_remedy_stands_in_place_of_the_dampers_there_are() -> None:
+    plain = answer(Band(0.002, 0.006, 0.02))
+    damped = replace(plain, cable=replace(CABLE, dampers=(Damper(2.0, 1e4),)))
+    assert [("in place of those it has" in next(iter(remedy_sentences(one)))) for one in (plain, damped)] == [
+        False,
+        True,
+    ]

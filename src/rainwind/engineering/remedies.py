@@ -63,7 +63,8 @@ def _sentence(answer: StayAnswer, remedy: Remedy, where: str) -> str:
     cable, design = answer.cable, remedy.design
     worst = max(remedy.targets, key=lambda number: remedy.targets[number])
     most = 100 * remedy.targets[worst]
-    begin = f"For {where} of the band a damper would have to add up to {most:.2f} % (mode {worst})"
+    instead = ", in place of those it has," if cable.dampers else ""
+    begin = f"For {where} of the band a damper{instead} would have to add up to {most:.2f} % (mode {worst})"
     if design is None:
         return f"{begin}: no single damper near the anchorage can do that; see the inputs, the surface and cross-ties."
     share = 100 * design.least_position / cable.length
