@@ -61,6 +61,6 @@ def _need_a_tight_stay(cable: Cable, mode: Mode) -> None:
     if mode.k3 * mode.sag_offset**2 < least:
         return
     raise InputError(
-        f"stay '{cable.name}' sags too much for this model in mode {mode.number}: lambda² = {lambda_squared(cable):.3g}, "
+        f"it sags too much for this model in mode {mode.number}: lambda² = {lambda_squared(cable):.3g}, "
         "about 25 is the most; check tension, mass and axial stiffness"
     )
