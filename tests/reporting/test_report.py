@@ -6,6 +6,7 @@ import re
 from dataclasses import replace
 from html.parser import HTMLParser
 from math import degrees, inf, isnan, pi
+from pathlib import Path
 
 import numpy as np
 import openpyxl
@@ -15,7 +16,7 @@ from rainwind.engineering.answers import Band
 from rainwind.engineering.climate import Climate
 from rainwind.errors import InputError
 from rainwind.reporting import pdf_writer, words
-from rainwind.reporting.back_pages import back_pages
+from rainwind.reporting.back_pages import LIMITS, back_pages
 from rainwind.reporting.content import Points, Report, Section, Table, Verbatim, Words
 from rainwind.reporting.document import document
 from rainwind.reporting.first_page import first_page
@@ -258,6 +259,13 @@ def test_assumptions_sources_and_failures_stand_in_the_report(content):
     ):
         assert said in whole
     assert "Stay S1: The rivulet follows the rule. No profile." in whole
+
+
+def test_the_report_and_its_page_give_the_same_reduced_wind_speeds():
+    page = (Path(__file__).parents[2] / "docs/assessment.md").read_text(encoding="utf-8")
+    speeds = [re.findall(r"U/\(f d\) of (\d+ to \d+)", text) for text in (page, " ".join(LIMITS))]
+    assert speeds[0] == speeds[1]
+    assert len(speeds[0]) == 1
 
 
 def test_an_assumption_of_all_stays_stands_once(answer):

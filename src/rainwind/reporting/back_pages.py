@@ -21,7 +21,7 @@ LIMITS = (
     "One section stands for the whole stay, with one rivulet angle over its length. A sliced stay's antinode moved 13 "
     "to 38 % more than the section in two cases that were computed.",
     "The forces are quasi-steady: no vortices, no axial flow. Field vibrations sit at reduced wind speeds U/(f d) of "
-    "19 to 45, where that is doubtful; the paper's cable at 80 to 148.",
+    "19 to 48, where that is doubtful; the paper's cable at 80 to 148.",
 )
 """How far to trust an assessment: the words of docs/assessment.md."""
 
