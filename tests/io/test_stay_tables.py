@@ -125,6 +125,24 @@ def test_all_kinds_of_cells(tmp_path: Path):
     assert b == STAYS[1]
 
 
+@pytest.mark.parametrize(
+    ("header", "shown"), [("damping [%]", "0.15%"), ("damping_ratio", "0.15%"), ("damping [%]", 0.15)]
+)
+def test_a_cell_in_per_cent_is_read_as_excel_shows_it(header: str, shown: object, tmp_path: Path):
+    book = openpyxl.Workbook()
+    page = book.active
+    assert page is not None
+    page.append([*HEADERS, header])
+    page.append([*ROWS[0], 0.0015 if shown == "0.15%" else shown])
+    if shown == "0.15%":
+        page.cell(2, len(HEADERS) + 1).number_format = "0.00%"
+    book.save(tmp_path / "stays.xlsx")
+    defaults = DEFAULTS.replace("damping_percent", "# damping_percent")
+    text = f'schema = 1\n[stays]\nfile = "stays.xlsx"\n[cable_defaults]\n{defaults}'
+    (stay,) = bridge_from_text(text, folder=tmp_path).stays
+    assert stay.damping_ratios == pytest.approx((0.0015,), rel=1e-14)
+
+
 def test_a_name_may_begin_with_a_sharp(tmp_path: Path):
     assert [stay.name for stay in read(tmp_path, with_cell(3, "name", "#2"))] == ["1N", "#2"]
 

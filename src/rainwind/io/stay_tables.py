@@ -124,6 +124,8 @@ def _row(
         elif numbers[str(name_of(key, numbers))].several and isinstance(cell, str):
             several = [_number_or_text(one) for one in cell.replace(";", " ").split()]
             content[key] = several if all(isinstance(one, float) for one in several) else cell.strip()
+        elif isinstance(cell, _PercentCell) and key.endswith("_percent"):
+            content[key] = float(f"{100 * cell:.15g}")
         else:
             content[key] = _number_or_text(cell)
     inner = {key.removeprefix(_DAMPER): text for key, text in texts.items()}
@@ -165,10 +167,21 @@ def _excel_rows(path: Path, sheet: str | None) -> Iterator[tuple[int, list[Any]]
         if sheet is not None and sheet not in book.sheetnames:
             raise InputError(f"has no sheet '{sheet}'; it has {', '.join(book.sheetnames)}")
         page = book[sheet] if sheet is not None else book.worksheets[0]
-        for number, cells in enumerate(page.iter_rows(values_only=True), start=1):
-            yield number, list(cells)
+        for number, cells in enumerate(page.iter_rows(), start=1):
+            yield number, [_seen(cell) for cell in cells]
     finally:
         book.close()
+
+
+class _PercentCell(float):
+    """A cell that Excel shows as "0.12%": its value is 0.0012."""
+
+
+def _seen(cell: Any) -> Any:
+    """The value of a cell; one in per cent is marked, since it shows a hundred times its value."""
+    if isinstance(cell.value, int | float) and "%" in (getattr(cell, "number_format", None) or ""):
+        return _PercentCell(cell.value)
+    return cell.value
 
 
 def _others(path: Path, sheet: str | None) -> str:
