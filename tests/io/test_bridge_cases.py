@@ -386,6 +386,16 @@ MORE = {
         TWO,
         "line 28: limits.observed_speeds = (20, 18) must be two",
     ),
+    "observed speeds that are not looked at": (
+        "[limits]\nobserved_low_m_s = 45\nobserved_high_m_s = 50\n",
+        TWO,
+        "line 27: limits.observed_speeds = (45, 50) lie outside assessment.speeds = (3, 40)",
+    ),
+    "speeds looked at that are not observed": (
+        "[assessment]\nlow_m_s = 20\n",
+        TWO,
+        "line 27: limits.observed_speeds = (5, 18) lie outside assessment.speeds = (20, 40)",
+    ),
     "speeds": (
         "[assessment]\nhigh_m_s = 300\n",
         TWO,

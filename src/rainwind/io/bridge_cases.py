@@ -66,7 +66,12 @@ def bridge_from_text(text: str, name: str = "case", folder: Path | None = None) 
         _climate_faults(records["climate"], faults)
     faults.raise_any()
     said = {key: given.value for key, given in values["bridge"].items()}
-    return Bridge(**({"name": Path(name).stem} | said), stays=stays, **records)
+    try:
+        return Bridge(**({"name": Path(name).stem} | said), stays=stays, **records)
+    except InputError as error:  # tables that are each allowed and do not fit each other
+        faults.add(str(error), "limits" if "limits" in content else "assessment")
+        faults.raise_any()
+        raise
 
 
 def _record(table: str, kind: Any, values: dict[str, Given], faults: Faults) -> Any:
