@@ -149,5 +149,5 @@ class Bridge:
         if observed[0] >= speeds[1] or observed[1] <= speeds[0]:
             raise InputError(
                 f"limits.observed_speeds = ({observed[0]:g}, {observed[1]:g}) lie outside assessment.speeds = "
-                f"({speeds[0]:g}, {speeds[1]:g}); widen one of them: the damping needed is looked for where both overlap"
+                f"({speeds[0]:g}, {speeds[1]:g}); widen one: the damping needed is looked for where both overlap"
             )
