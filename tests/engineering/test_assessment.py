@@ -1,5 +1,6 @@
 """Assessments of small bridges: the sample case's numbers, symmetry, failures, what is kept and what stops it."""
 
+import time
 from dataclasses import replace
 from math import pi, radians
 
@@ -34,7 +35,9 @@ def short_runs(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def unscattered(monkeypatch: pytest.MonkeyPatch) -> None:
     names = ("rivulet.mass", "rivulet.friction", "lift slope", "drag slope", "moment slope")
-    monkeypatch.setattr(assessment, "sample_factors", lambda *_: {name: np.ones(2) for name in names})
+    monkeypatch.setattr(
+        assessment, "sample_factors", lambda _, count, __: {name: np.ones(count) for name in names}
+    )
 
 
 def test_the_sample_case_gives_the_numbers_of_the_paper(unscattered, monkeypatch) -> None:
@@ -289,6 +292,9 @@ def test_a_full_disk_stops_the_other_stays(tmp_path, monkeypatch) -> None:
 
     def stay(setting, cable, told):
         begun.append(cable.name)
+        time.sleep(
+            0.1
+        )  # as if it computed: the one that meets the full disk is told before the others are through
         return StayAnswer(cable, (), (), "failed", ())
 
     def full(self, answer):

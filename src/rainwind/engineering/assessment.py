@@ -6,7 +6,7 @@ upper rivulet grow; the amplitude is that of runs in time in the direction that 
 """
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import replace
@@ -20,7 +20,7 @@ import numpy as np
 from rainwind.engineering.answer_store import AnswerStore
 from rainwind.engineering.answers import BridgeAnswer, ModeAnswer, StayAnswer
 from rainwind.engineering.assumptions import assumption_sentences
-from rainwind.engineering.bridge import Bridge
+from rainwind.engineering.bridge import Bridge, Question
 from rainwind.engineering.cable import Cable
 from rainwind.engineering.climate import Climate
 from rainwind.engineering.criteria import code_checks
@@ -59,13 +59,13 @@ def assess(
     """
     begin = perf_counter()
     sets = tuple(load_coefficients(name) for name in bridge.question.sets)
-    samples = sample_factors(RIVULET_SCATTER, bridge.question.samples, bridge.question.seed)
+    sampled = tuple(zip(sets, _samples(bridge.question), strict=True))
     store = AnswerStore(checkpoint, bridge, sets, climate) if checkpoint is not None else None
     if workers is not None:
         whole_number("workers", workers)
     threads = workers or os.cpu_count() or 1
     together = min(threads, len(bridge.stays))
-    setting = Setting(bridge, climate, sets, samples, max(1, threads // together))
+    setting = Setting(bridge, climate, sampled, max(1, threads // together))
     told = _Told(progress, len(bridge.stays) * bridge.question.modes)
 
     def answer(cable: Cable) -> StayAnswer:
@@ -95,6 +95,14 @@ def assess(
                 raise
     notes = tuple(climate.notes) if climate is not None else ()
     return BridgeAnswer(bridge, tuple(done), perf_counter() - begin, case_text, interrupted, notes)
+
+
+def _samples(question: Question) -> Iterator[dict[str, np.ndarray]]:
+    """The samples of each coefficient set: every so-and-so-many-th of one Latin hypercube for all of them."""
+    many = len(question.sets)
+    every = sample_factors(RIVULET_SCATTER, many * question.samples, question.seed)
+    for first in range(many):
+        yield {name: values[first::many] for name, values in every.items()}
 
 
 class _Told:

@@ -88,14 +88,15 @@ class Question:
 
     modes: of each stay, from the first. directions: of the wind, evenly round the compass. speeds: m/s at the
     reference height, between which a vibration is looked for. sets: of coefficients, all in one band. samples: of
-    rivulet and slopes, for each set. seed: of the samples. runs: how many of them are followed in time, at most all.
+    rivulet and slopes, for each set. seed: of the samples. runs: how many of them are followed in time (all,
+    where that is more than there are).
     """
 
     modes: int = 3
     directions: int = 36
     speeds: tuple[float, float] = (3.0, 40.0)
     sets: tuple[str, ...] = ("reconstructed", "reconstructed-cubic", "reconstructed-linear")
-    samples: int = 32
+    samples: int = 64
     seed: int = 1
     runs: int = 12
 
@@ -115,7 +116,6 @@ class Question:
             raise InputError(
                 f"assessment.speeds = ({low:g}, {high:g}) must be two speeds up to 100 m/s, the lower first"
             )
-        object.__setattr__(self, "runs", min(self.runs, self.samples))
         if not self.sets:
             raise InputError("assessment.sets is empty; name one set of coefficients or more")
 

@@ -92,6 +92,11 @@ class Cable:
         ratios = tuple(
             not_negative("cable.damping_ratios", r, "1 means critical") for r in self.damping_ratios
         )
+        if max(ratios) >= 1.0:
+            raise InputError(
+                f"cable.damping_ratios = {max(ratios):g} is critical damping or more; a stay has 0.1 to 2 %, "
+                "0.001 to 0.02"
+            )
         set_(self, "damping_ratios", ratios)
         one_of("cable.surface", self.surface, SURFACES)
         for damper in self.dampers:

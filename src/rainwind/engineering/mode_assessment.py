@@ -1,6 +1,6 @@
 """One mode of one stay: where it is unstable, how strongly it vibrates, which damping stops it.
 
-Every coefficient set gives the same samples of rivulet and slopes; all of them together make the bands.
+Every coefficient set has samples of rivulet and slopes of its own; all of them together make the bands.
 """
 
 from collections.abc import Callable, Mapping
@@ -55,13 +55,13 @@ class _Set:
 class Setting:
     """What all modes of all stays share.
 
-    samples: (s,) of each scattered quantity by name; workers: threads for the runs in time of one stay.
+    sets: each with its samples (s,) of each scattered quantity by name; workers: threads for the runs in time of one
+    stay.
     """
 
     bridge: Bridge
     climate: Climate | None
-    sets: tuple[CoefficientSet, ...]
-    samples: Mapping[str, np.ndarray]
+    sets: tuple[tuple[CoefficientSet, Mapping[str, np.ndarray]], ...]
     workers: int
 
     def mode(self, cable: Cable, mode: Mode, damped: DampedMode) -> ModeAnswer:
@@ -84,15 +84,14 @@ class Setting:
         worst = _worst_yaw(fields, observed)
 
         steps = np.linspace(*limits.observed_speeds, _STEPS)
-        at = (gamma[[worst]], weight * steps, question.runs)
+        count = min(question.runs, question.samples)
+        at = (gamma[[worst]], weight * steps, count)
         amplitude, lost, slow, rest = self._amplitudes(
             [self._set(cable, mode, one, ratio, *at) for one in self.sets]
         )
         largest = _largest(amplitude)
         # the rows of the samples that were followed in time, set by set
-        followed = np.concatenate(
-            [k * question.samples + np.arange(question.runs) for k in range(len(fields))]
-        )
+        followed = np.concatenate([k * question.samples + np.arange(count) for k in range(len(fields))])
         undamped = None
         if cable.dampers:
             undamped = self._amplitudes([self._set(cable, mode, one, own, *at) for one in self.sets])[0]
@@ -142,7 +141,7 @@ class Setting:
         self,
         cable: Cable,
         mode: Mode,
-        one: CoefficientSet,
+        one: tuple[CoefficientSet, Mapping[str, np.ndarray]],
         ratio: float,
         gamma: np.ndarray,
         speed: np.ndarray,
@@ -151,12 +150,13 @@ class Setting:
         """The branches D and the growth about them with one set; speed: at the cable; first: samples, None for all."""
         given = self.bridge.rivulet
         rivulet = given or usual_rivulet(cable.diameter)
-        every = factors_at(self.samples, None if given else cable.diameter)
+        coefficients, samples = one
+        every = factors_at(samples, None if given else cable.diameter)
         factors = {name: values[:first] for name, values in every.items()}
         model = section_model(
             cable,
             mode,
-            coefficients=one,
+            coefficients=coefficients,
             rivulet=rivulet,
             damping_ratio=ratio,
             density=self.bridge.site.density,

@@ -66,9 +66,7 @@ def _said(answer: StayAnswer, mode: ModeAnswer, bridge: Bridge) -> Iterator[str]
 def _range(answer: StayAnswer, observed: Sequence[float]) -> str:
     hit = [mode for mode in answer.modes if mode.range_low.exists]
     if not hit:
-        return (
-            "With the damping there is, the model finds no rain-wind vibration at any wind speed looked at."
-        )
+        return "With the damping there is, small vibrations grow at no wind speed looked at, in any sample."
     mode = max(hit, key=lambda one: (one.range_low.share, -one.margin))
     low, high = mode.range_low.middle, mode.range_high.middle
     lower, upper = max(low, observed[0]), min(high, observed[1])

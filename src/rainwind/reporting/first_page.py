@@ -54,7 +54,7 @@ def _asked(answer: BridgeAnswer) -> str:
 
 
 _ENOUGH = 128
-"""Samples for each set, which share them. The high end of the damping that one stay needs was 5.6 and 5.3 % with 32,
+"""Samples in all. The high end of the damping that one stay needs was 5.6 and 5.3 % with 32,
 2.9 and 4.2 % with 64, 4.4 and 4.0 % with 128, 3.6 and 3.7 % with 256, of two seeds."""
 
 
@@ -63,8 +63,8 @@ def _samples(answer: BridgeAnswer) -> str:
     total = asked.samples * len(asked.sets)
     sets = len(asked.sets)
     few = (
-        f" With {asked.samples} samples for each set the ends are rough: {_ENOUGH} settle them better."
-        if asked.samples < _ENOUGH
+        f" With so few samples the ends are rough: {_ENOUGH} in all settle them better."
+        if total < _ENOUGH
         else ""
     )
     return (
@@ -147,7 +147,7 @@ def _sentences(answer: BridgeAnswer) -> Iterator[str]:
         if pairs:
             yield _largest(answer, pairs)
     else:
-        yield "The model finds no rain-wind vibration at any wind speed looked at."
+        yield "Small vibrations grow at no wind speed looked at, in any sample."
     unlimited = [mode.unlimited for _, mode in hit]
     if unlimited and max(unlimited) > 0:
         yield (
