@@ -22,6 +22,8 @@ DISPLACED = 1.0
 """Diameters by which the cable is displaced at the start, so that a vibration that needs a push is found too."""
 NUDGED = 0.05
 """Diameters by which it is displaced where the first run loses its rivulet."""
+_LEFT = 1.25
+"""What is less than so many times the rest of the push, which decays as small vibrations do, is no vibration."""
 _TOLERANCE = 1e-7
 
 
@@ -40,11 +42,17 @@ class Vibrations:
 
 
 def vibrations(
-    model: RivuletModel, state: np.ndarray, parameters: Mapping[str, np.ndarray], *, workers: Any = None
+    model: RivuletModel,
+    state: np.ndarray,
+    parameters: Mapping[str, np.ndarray],
+    rate: np.ndarray,
+    *,
+    workers: Any = None,
 ) -> Vibrations:
     """Follow each start for `PERIODS`; state (..., 6) at rest, nan without an upper rivulet; parameters (...).
 
-    Ctrl-C raises KeyboardInterrupt.
+    rate: (...) of small vibrations, 1/s: where they decay, what may be left of the push by then counts as rest. Ctrl-C
+    raises KeyboardInterrupt.
     """
     there = np.isfinite(state[..., 1])
     amplitude, lost = np.zeros(there.shape), np.zeros(there.shape, dtype=bool)
@@ -56,6 +64,8 @@ def vibrations(
     if gone.any():
         some = {name: values[gone] for name, values in varying.items()}
         found[gone], _ = _run(model, starts[gone], some, NUDGED, 0.0, workers)
+    left = DISPLACED * model.section.diameter * np.exp(rate[there] * (PERIODS - LAST) * period)
+    found[(rate[there] < 0.0) & ~gone & (found < _LEFT * left)] = 0.0
     amplitude[there], lost[there] = found, gone
     return Vibrations(amplitude, lost)
 

@@ -169,7 +169,8 @@ class Setting:
     def _amplitudes(self, fields: list[_Set]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Of all samples over the speeds of one direction: amplitude (s, k), share lost (k,), growth and y at rest."""
         runs = [
-            vibrations(f.model, f.growth.state, f.growth.parameters, workers=self.workers) for f in fields
+            vibrations(f.model, f.growth.state, f.growth.parameters, f.growth.rate, workers=self.workers)
+            for f in fields
         ]
         amplitude = np.concatenate([run.amplitude[:, 0] for run in runs])
         lost = np.concatenate([run.lost[:, 0] for run in runs]).mean(axis=0)
