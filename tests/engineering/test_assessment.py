@@ -305,3 +305,15 @@ def test_a_full_disk_stops_the_other_stays(tmp_path, monkeypatch) -> None:
     with pytest.raises(OSError, match="no space"):
         assess(many, checkpoint=tmp_path, workers=1)
     assert len(begun) < 4
+
+
+def test_the_stability_diagram_tops_out_at_the_damping_needed() -> None:
+    """Its line is to first order in the damping, the damping needed exact: a few per cent apart at most here."""
+    mode = assess(replace(BRIDGE, question=replace(ONE, directions=36))).stays[0].modes[0]
+    assert mode.stability_speeds is not None
+    assert mode.stability_needed is not None
+    assert mode.stability_needed.shape == (mode.stability_speeds.size, 3)
+    assert mode.stability_needed[0] == pytest.approx(np.zeros(3))  # 3 m/s: no rivulet
+    inside = (mode.stability_speeds >= 5.0) & (mode.stability_speeds <= 18.0)
+    top = mode.stability_needed[inside, 1].max()
+    assert 0.85 * mode.damping_needed_observed.middle < top < 1.05 * mode.damping_needed_observed.middle

@@ -75,6 +75,10 @@ def mode(number: int = 1, **changes: object) -> ModeAnswer:
         build_up=Band(31.0, 64.0, 128.0, 0.81),
         uplift=Band(0.011, 0.017, 0.026),
         lost=np.zeros(14),
+        stability_speeds=np.array([3.0, 8.0, 15.0, 40.0]),
+        stability_needed=np.array(
+            [[0.0, 0.0, 0.0], [0.001, 0.003, 0.005], [0.0019, 0.0034, 0.0059], [0.0, 0.001, 0.002]]
+        ),
         galloping_speed=31.3,
         vortex_speed=0.744,
     )

@@ -80,6 +80,8 @@ class ModeAnswer:
     uplift: mean displacement of mid-span upwards by the wind's lift, m. hours: a year, in the range with rain, None
     without climate; hours_observed: those of them at observed speeds; hours_dry: in the range without rain. cycles:
     expected a year, the mean over samples, in bins between `cycle_edges` (m), the last one open.
+    stability_needed (n, 3): over stability_speeds (n,), the band of the damping ratio below which small vibrations grow
+    there, in the worst direction, to first order in the damping; 0 where none is needed or no rivulet is.
     """
 
     number: int
@@ -114,6 +116,8 @@ class ModeAnswer:
     hours_observed: Band | None = None
     cycle_edges: np.ndarray | None = None
     cycles: np.ndarray | None = None
+    stability_speeds: np.ndarray | None = None
+    stability_needed: np.ndarray | None = None
     galloping_speed: float = np.nan
     vortex_speed: float = np.nan
 

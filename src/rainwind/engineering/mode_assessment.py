@@ -133,6 +133,8 @@ class Setting:
             cycles=self._cycles(
                 directions, (low[followed], high[followed]), steps, amplitude, mode.frequency_out, edges
             ),
+            stability_speeds=speed,
+            stability_needed=_bands(_needed_over_speed(fields, worst, ratio)),
             galloping_speed=galloping_speed(cable, mode.frequency_out, ratio, site.density),
             vortex_speed=vortex_speed(cable, mode.frequency_out),
         )
@@ -242,6 +244,12 @@ def _worst_yaw(fields: list[_Set], observed: np.ndarray) -> int:
     if middle.max() <= 0.0 < grows.max():
         return int(grows.argmax())
     return int(np.nan_to_num(middle, neginf=-1e9).argmax())
+
+
+def _needed_over_speed(fields: list[_Set], yaw_number: int, ratio: float) -> np.ndarray:
+    """The damping ratio (s, n) of no growth at each speed of one yaw: the rate falls by omega for each unit of it."""
+    need = np.concatenate([(f.growth.rate / f.growth.omega)[:, yaw_number] for f in fields]) + ratio
+    return np.maximum(np.nan_to_num(need), 0.0)
 
 
 def _bands(values: np.ndarray) -> np.ndarray:
