@@ -146,8 +146,8 @@ _OF_AMPLITUDES = (
     "Amplitude at the antinode, half peak to peak, over wind speed, in the direction that needs most damping"
 )
 _OF_STABILITY = (
-    "Stability in that direction: below the line small vibrations about the upper rivulet grow in half of the samples; "
-    "the band holds 90 % of them"
+    "Stability in the direction that needs most damping: below the line small vibrations about the upper rivulet grow "
+    "in half of the samples; the band holds 90 % of them"
 )
 
 
