@@ -39,7 +39,7 @@ def test_what_nobody_read_says_so():
     assert SOURCES["PTI"].status == SOURCES["FHWA"].status == "read"
     assert SOURCES["EN 1993-1-11"].status == "second-hand"
     assert SOURCES["dry galloping"].status == "from memory"
-    assert SOURCES["rivulet scatter"].status == "judgement"
+    assert SOURCES["rivulet rule"].status == SOURCES["rivulet scatter"].status == "judgement"
 
 
 def test_unknown_words_are_refused():

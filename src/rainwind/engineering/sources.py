@@ -59,8 +59,8 @@ _ALL = (
     # the model
     Source(
         "Peil & Nahrath",
-        "Peil & Nahrath (2003), Modelling of rain-wind induced vibrations, Wind and Structures 6(1): the model of "
-        "cable and rivulet; rivulets of 0.2 kg/m with 10 mm and of 0.08 kg/m with 6 mm",
+        "Peil & Nahrath (2003), Modeling of rain-wind induced vibrations, Wind and Structures 6(1), 41-52: the model "
+        "of cable and rivulet; rivulets of 0.2 kg/m with 10 mm and of 0.08 kg/m with 6 mm",
         "read",
     ),
     Source(
@@ -84,7 +84,7 @@ _ALL = (
     Source(
         "rivulet rule",
         "rivulets of other cables from that of Peil & Nahrath (2003), between one size and one shape: docs/rivulets.md",
-        "derived",
+        "judgement",
     ),
     Source(
         "rivulet scatter",
@@ -111,7 +111,7 @@ _ALL = (
     ),
     Source(
         "Saito",
-        f"{_FHWA}, figure 1 in words: the boundary of rain-wind vibrations after Saito, Matsumoto & Kitazawa (1994) "
+        f"{_FHWA}, figure 1 in words: the boundary of rain-wind vibrations after Saito "
         "rises from a reduced speed of 45 to one of 105 at a Scruton number of about 8; where it begins is not said",
         "read",
     ),
