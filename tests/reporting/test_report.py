@@ -142,6 +142,23 @@ def test_the_pdf_has_pages(folder, nasty):
         assert pages(pdf) >= least
 
 
+def paper(answer, **changes):
+    """The pages that the sections of stays take on paper; changes: of every section."""
+    sections = tuple(replace(section, new_page=False, **changes) for section in stay_pages(answer))
+    return pages(pdf_writer.pdf(Report("", "", "", "", sections)))
+
+
+@pytest.mark.parametrize(
+    ("sentences", "as_it_is", "made_smaller"),
+    [(1, 1, 1), (8, 2, 1), (80, 3, 3)],
+)
+def test_a_stay_that_nearly_fits_is_made_smaller_to_fit_its_page(answer, sentences, as_it_is, made_smaller):
+    stay = answer.stays[0]
+    one = replace(answer, stays=(replace(stay, sentences=("Rain and wind move this stay.",) * sentences),))
+    assert paper(one, one_page=False) == as_it_is
+    assert paper(one) == made_smaller
+
+
 def test_the_page_loads_nothing_and_closes_its_tags(folder, nasty):
     for place in (folder, nasty):
         page = Page((place / "report.html").read_text(encoding="utf-8"))
@@ -336,6 +353,7 @@ def test_the_workbook_reads_back(answer, folder):
     assert rows[0]["hours in the range, with rain (h a year), middle"] == 5.4
     assert rows[0]["worst direction, wind from (°)"] == pytest.approx(90.0)
     assert rows[2]["range begins (m/s), middle"] is None
+    assert rows[2]["margin"] == "no damping needed"
 
 
 def test_the_summary_sheet_has_the_answers_numbers(answer, folder):

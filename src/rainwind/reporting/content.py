@@ -67,12 +67,16 @@ Block = Words | Points | Table | Figure | Verbatim
 
 @dataclass(frozen=True)
 class Section:
-    """A heading with what stands under it; level 1 is a chapter, level 2 a part; new_page: it begins one."""
+    """A heading with what stands under it; level 1 is a chapter, level 2 a part; new_page: it begins one.
+
+    one_page: on paper it is made a little smaller where that keeps it on one page.
+    """
 
     title: str
     blocks: tuple[Block, ...]
     level: Literal[1, 2] = 1
     new_page: bool = False
+    one_page: bool = False
 
 
 @dataclass(frozen=True)

@@ -48,6 +48,7 @@ def _report(report: Report, root: Path) -> dict[str, Any]:
                 "title": _text(section.title),
                 "level": section.level,
                 "new_page": section.new_page,
+                "one_page": section.one_page,
                 "blocks": blocks,
             }
         )

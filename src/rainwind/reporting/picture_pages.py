@@ -125,13 +125,14 @@ def _round(
 
 def _amplitudes(answer: BridgeAnswer, stays: list[StayAnswer]) -> Figure:
     least = "; the stays with the least margins" if len(stays) < len(answer.stays) else ""
-    return _panels(
-        lambda k, axes: _amplitude(answer, stays[k], axes), len(stays), f"{_OF_AMPLITUDES}{least}."
-    )
+    caption = f"{_OF_AMPLITUDES}{least}. {_LESS_THAN_TABLES}"
+    return _panels(lambda k, axes: _amplitude(answer, stays[k], axes), len(stays), caption)
 
 
 def _stability(answer: BridgeAnswer, stays: list[StayAnswer]) -> Figure:
-    return _panels(lambda k, axes: _stable(answer, stays[k], axes), len(stays), f"{_OF_STABILITY}.")
+    return _panels(
+        lambda k, axes: _stable(answer, stays[k], axes), len(stays), f"{_OF_STABILITY}. {_LESS_THAN_TABLES}"
+    )
 
 
 def _amplitude_beside_stability(answer: BridgeAnswer, stay: StayAnswer) -> Figure:
@@ -139,7 +140,7 @@ def _amplitude_beside_stability(answer: BridgeAnswer, stay: StayAnswer) -> Figur
         (_stable if k else _amplitude)(answer, stay, axes)
 
     left, right = (f"{said[0].lower()}{said[1:]}" for said in (_OF_AMPLITUDES, _OF_STABILITY))
-    return _panels(draw, 2, f"Left: {left}. Right: {right}.")
+    return _panels(draw, 2, f"Left: {left}. Right: {right}. {_LESS_THAN_TABLES}")
 
 
 _OF_AMPLITUDES = (
@@ -148,6 +149,10 @@ _OF_AMPLITUDES = (
 _OF_STABILITY = (
     "Stability in the direction that needs most damping: below the line small vibrations about the upper rivulet grow "
     "in half of the samples; the band holds 90 % of them"
+)
+_LESS_THAN_TABLES = (
+    "The tables say more than the highest point of these curves: they take each sample where it is worst, and that is "
+    "at another wind for each."
 )
 
 

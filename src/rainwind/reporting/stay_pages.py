@@ -20,9 +20,8 @@ def stay_pages(answer: BridgeAnswer) -> Iterator[Section]:
     yield Section("Stay by stay", (Words(_BANDS, "small"),), new_page=True)
     for number, stay in enumerate(answer.stays):
         begins = number > 0 and not stay.failure
-        yield Section(
-            f"Stay {words.shortened(stay.cable.name)}", tuple(_stay(stay)), level=2, new_page=begins
-        )
+        title = f"Stay {words.shortened(stay.cable.name)}"
+        yield Section(title, tuple(_stay(stay)), level=2, new_page=begins, one_page=not stay.failure)
 
 
 _BANDS = (

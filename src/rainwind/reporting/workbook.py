@@ -192,7 +192,7 @@ def _put(sheet: Worksheet, row: int, column: int, value: Value) -> None:
         return
     cell: Any = sheet.cell(row, column)  # a plain cell: nothing is merged
     if isinstance(value, float) and isinf(value):
-        value = words.NOT_NEEDED if sheet.title == "Summary" else "no limit"
+        value = words.NOT_NEEDED if str(sheet.cell(1, column).value).lower() == "margin" else "no limit"
     if isinstance(value, str):
         cell.value = ILLEGAL_CHARACTERS_RE.sub("", value)[:_LONGEST]
         cell.data_type = "s"
