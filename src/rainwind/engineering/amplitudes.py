@@ -65,7 +65,9 @@ def vibrations(
         some = {name: values[gone] for name, values in varying.items()}
         found[gone], _ = _run(model, starts[gone], some, NUDGED, 0.0, workers)
     left = DISPLACED * model.section.diameter * np.exp(rate[there] * (PERIODS - LAST) * period)
-    found[(rate[there] < 0.0) & ~gone & (found < _LEFT * left)] = 0.0
+    # the second run's amplitude counts from its start, so its push is in it whole
+    left = np.where(gone, NUDGED * model.section.diameter, left)
+    found[(rate[there] < 0.0) & (found < _LEFT * left)] = 0.0
     amplitude[there], lost[there] = found, gone
     return Vibrations(amplitude, lost)
 
