@@ -1,7 +1,7 @@
 """Will the stays of a bridge vibrate in rain and wind: every stay, mode and direction, each answer as a band.
 
 For each mode an equivalent section with a rivulet by the rule for the stay's diameter (or the case's own); for each
-coefficient set the same samples of rivulet and slopes. The range of wind speeds is where small vibrations about the
+coefficient set samples of its own of rivulet and slopes. The range of wind speeds is where small vibrations about the
 upper rivulet grow; the amplitude is that of runs in time in the direction that needs the most damping.
 """
 
